@@ -29,6 +29,11 @@ pub fn set_up(context: &egui::Context) {
     });
 }
 
+/// A colour of a figure or a map: red, green, blue.
+pub fn opaque([red, green, blue]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(red, green, blue)
+}
+
 /// What the window is coloured by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Theme {
@@ -112,14 +117,12 @@ impl Theme {
         if self.mode == Mode::Dark || brightness <= BRIGHTEST {
             return colour;
         }
-        let [red, green, blue] = [red, green, blue].map(|part| (part * BRIGHTEST / brightness * 255.0) as u8);
-        Color32::from_rgb(red, green, blue)
+        opaque([red, green, blue].map(|part| (part * BRIGHTEST / brightness * 255.0) as u8))
     }
 
     /// A series of this number, as in the figures.
     pub fn series(self, number: usize) -> Color32 {
-        let [red, green, blue] = style::style(number).colour.0;
-        let colour = Color32::from_rgb(red, green, blue);
+        let colour = opaque(style::style(number).colour.0);
         // The figures' first colour is black, which no one sees on a dark page.
         if colour == Color32::BLACK && self.mode == Mode::Dark { self.reference() } else { colour }
     }
@@ -138,7 +141,6 @@ impl Theme {
             [0x6e, 0x80, 0x8e], // accumulate
         ];
         let on_light = style::style(style::STAGE_STYLES + place).colour.0;
-        let [red, green, blue] = self.pick(ON_DARK[place % ON_DARK.len()], on_light);
-        Color32::from_rgb(red, green, blue)
+        opaque(self.pick(ON_DARK[place % ON_DARK.len()], on_light))
     }
 }

@@ -42,27 +42,28 @@ impl App {
 
     fn file_menu(&mut self, ui: &mut Ui) {
         let is_open = self.context.recording().is_some();
-        let task = |app: &mut Self, ui: &mut Ui, button: Button<'static>, is_enabled: bool, task: Task| {
-            if ui.add_enabled(is_enabled, button).clicked() {
-                app.task = Some(task);
-                ui.close();
-            }
-        };
-        let item = |name: &'static str, keys: &'static str| Button::new(name).shortcut_text(keys);
-        task(self, ui, item("Open...", "Ctrl+O"), true, Task::Ask(Asking::OpenRecording));
+        self.item(ui, ["Open...", "Ctrl+O"], true, Task::Ask(Asking::OpenRecording));
         ui.menu_button("Open recent", |ui| self.recent_menu(ui));
-        task(self, ui, item("Refresh", "F5"), is_open, Task::Refresh);
+        self.item(ui, ["Refresh", "F5"], is_open, Task::Refresh);
         ui.separator();
-        task(self, ui, item("Open session...", ""), true, Task::Ask(Asking::OpenSession));
-        task(self, ui, item("Save session...", "Ctrl+S"), is_open, Task::Ask(Asking::SaveSession));
+        self.item(ui, ["Open session...", ""], true, Task::Ask(Asking::OpenSession));
+        self.item(ui, ["Save session...", "Ctrl+S"], is_open, Task::Ask(Asking::SaveSession));
         ui.separator();
         let picture = Task::Ask(Asking::SavePicture(None));
-        task(self, ui, item("Save picture of the window...", ""), is_open, picture);
+        self.item(ui, ["Save picture of the window...", ""], is_open, picture);
         let command = Task::Ask(Asking::SaveCommand("window"));
-        task(self, ui, item("Show command of the window...", ""), is_open, command);
+        self.item(ui, ["Show command of the window...", ""], is_open, command);
         ui.separator();
         if ui.button("Quit").clicked() {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+    }
+
+    /// A line of a menu that has something done.
+    fn item(&mut self, ui: &mut Ui, [name, keys]: [&str; 2], is_enabled: bool, task: Task) {
+        if ui.add_enabled(is_enabled, Button::new(name).shortcut_text(keys)).clicked() {
+            self.task = Some(task);
+            ui.close();
         }
     }
 
@@ -86,15 +87,8 @@ impl App {
 
     fn edit_menu(&mut self, ui: &mut Ui) {
         let (can_undo, can_redo) = self.history.can();
-        for (name, keys, is_possible, task) in [
-            ("Undo selection", "Ctrl+Z", can_undo, Task::Undo),
-            ("Redo selection", "Ctrl+Shift+Z", can_redo, Task::Redo),
-        ] {
-            if ui.add_enabled(is_possible, Button::new(name).shortcut_text(keys)).clicked() {
-                self.task = Some(task);
-                ui.close();
-            }
-        }
+        self.item(ui, ["Undo selection", "Ctrl+Z"], can_undo, Task::Undo);
+        self.item(ui, ["Redo selection", "Ctrl+Shift+Z"], can_redo, Task::Redo);
     }
 
     fn window_menu(&mut self, ui: &mut Ui) {

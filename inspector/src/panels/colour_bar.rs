@@ -1,11 +1,12 @@
 //! What the colours of a picture stand for: a bar with its unit, and above it how many values have which colour.
 
 use egui::text::{LayoutJob, TextWrapping};
-use egui::{Color32, Rect, Response, Sense, Ui, pos2, vec2};
+use egui::{Rect, Response, Sense, Ui, pos2, vec2};
 
 use crate::colour_map::ColourMap;
 use crate::figures::axis::ratio_label;
 use crate::render::range::{ValueRange, Values};
+use crate::theme::opaque;
 
 /// Height of the bar itself.
 const BAR: f32 = 12.0;
@@ -42,13 +43,12 @@ impl ColourBar<'_> {
         let bar_top = rect.top() + BINS_HEIGHT;
         for (at, count) in counts.into_iter().enumerate() {
             let value = across.low + (at as f32 + 0.5) / BINS as f32 * (across.high - across.low);
-            let [red, green, blue] = self.map.colour(self.range.part(value));
             let left = rect.left() + at as f32 * step;
             let high = (BINS_HEIGHT - 2.0) * count as f32 / most;
             painter.rect_filled(
                 Rect::from_min_max(pos2(left, bar_top), pos2(left + step + 0.5, bar_top + BAR)),
                 0.0,
-                Color32::from_rgb(red, green, blue),
+                opaque(self.map.colour(self.range.part(value))),
             );
             let bin = Rect::from_min_max(pos2(left, bar_top - high), pos2(left + step - 0.5, bar_top - 1.0));
             if high > 0.0 {

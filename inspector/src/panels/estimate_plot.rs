@@ -10,7 +10,7 @@ use super::notes::{found, power_of_ten};
 use crate::analysis::estimates::{BINS, Estimates};
 use crate::colour_map::ColourMap;
 use crate::model::Context;
-use crate::theme::Theme;
+use crate::theme::{Theme, opaque};
 
 /// Steps of logarithms that are marked: every one, and every second and fourth where there is little room.
 const DECADES: [f64; 3] = [1.0, 2.0, 4.0];
@@ -86,8 +86,7 @@ fn pixels(estimates: &Estimates, theme: Theme) -> Vec<Color32> {
         }
         // The first colours of the map are hard to tell from where no ray is.
         let part = 0.2 + 0.8 * f64::from(rays).ln_1p() / most;
-        let [red, green, blue] = ColourMap::Viridis.colour(part as f32);
-        Color32::from_rgb(red, green, blue)
+        opaque(ColourMap::Viridis.colour(part as f32))
     };
     estimates.counts.chunks(BINS).rev().flatten().map(|&rays| colour(rays)).collect()
 }

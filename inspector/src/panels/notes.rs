@@ -39,6 +39,11 @@ pub(crate) fn swatch(ui: &mut egui::Ui, style: usize) {
     }
 }
 
+/// A chart that always shows all that it has.
+pub(super) fn still<'a>(name: &str, height: f32) -> egui_plot::Plot<'a> {
+    egui_plot::Plot::new(name).height(height).allow_scroll(false).allow_zoom(false).allow_drag(false)
+}
+
 /// The number of a logarithm, where it is a power of ten.
 pub(super) fn power_of_ten(exponent: f64) -> String {
     if (exponent - exponent.round()).abs() > 1e-6 {

@@ -25,7 +25,7 @@ use crate::output::{count, counted};
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
 use crate::render::range::{ValueRange, Values};
-use crate::theme::Theme;
+use crate::theme::{Theme, opaque};
 
 /// What pixels may be coloured by.
 const COLOURS: [(Quantity, &str); 8] = [
@@ -122,7 +122,7 @@ impl Panel for PixelsPanel {
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
-        let order = context.order().map_err(|reason| reason.to_string())?;
+        let order = context.order()?;
         let width = context.recording().map_or(1, |open| open.dump.manifest().header.options.width.max(1));
         let rows = (0..order.len()).map(move |ray| {
             let (pixel, place) = (order.queue.path_ids[ray], order.place_of_ray()[ray]);
@@ -186,10 +186,7 @@ fn pixels(
         .map(|ray| match value(ray) {
             _ if !is_shown(place_of_ray[ray] as usize) => theme.left_out(),
             value if value.is_nan() => theme.nothing(),
-            value => {
-                let [red, green, blue] = map.colour(value);
-                Color32::from_rgb(red, green, blue)
-            }
+            value => opaque(map.colour(value)),
         })
         .collect();
     let [columns, rows] = plane.size();

@@ -3,7 +3,6 @@
 
 use std::sync::Arc;
 
-use egui::Color32;
 use formats::length_table::{LengthCell, TABLE_BITS_MAX, mean_length};
 use formats::manifest::QueueId;
 use rayon::prelude::*;
@@ -21,7 +20,7 @@ use crate::panels::data::Data;
 use crate::panels::panel::Panel;
 use crate::render::cell_box::{cell_of_pixel, pixel_of_cell};
 use crate::render::range::Values;
-use crate::theme::Theme;
+use crate::theme::{Theme, opaque};
 
 /// What is shown of the table: its cells as a picture, by one of their numbers, or how right they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -78,7 +77,7 @@ impl Panel for TablePanel {
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
-        let queue = context.queue().map_err(|reason| reason.to_string())?;
+        let queue = context.queue()?;
         let all = queue.cells.as_ref().map_err(String::clone)?.len();
         let rows = (0..all).filter_map(move |at| {
             let LengthCell { cell, count, sum } = *queue.cells.as_ref().ok()?.get(at)?;
@@ -276,10 +275,7 @@ fn paint(cells: &[LengthCell], blocks: &Blocks, view: TableView, theme: Theme) -
     let colour = |(at, (sum, touched)): (usize, (f32, u32))| match touched {
         0 if is_gap(at) => theme.left_out(),
         0 => theme.nothing(),
-        touched => {
-            let [red, green, blue] = MAP.colour(range.part(sum / touched as f32));
-            Color32::from_rgb(red, green, blue)
-        }
+        touched => opaque(MAP.colour(range.part(sum / touched as f32))),
     };
     let pixels = sums.into_iter().enumerate().map(colour).collect();
     Painted { pixels, range, values }

@@ -1,10 +1,10 @@
 //! How full the length table is from bounce to bounce and from pass to pass.
 
 use egui::Align2;
-use egui_plot::{AxisHints, Bar, BarChart, Plot, PlotPoint, Text};
+use egui_plot::{AxisHints, Bar, BarChart, PlotPoint, Text};
 use formats::manifest::{Place, QueueArray, QueueId};
 
-use super::notes::name_at;
+use super::notes::{name_at, still};
 use crate::model::{Context, Recording};
 use crate::theme::{ON_BARS, Theme};
 
@@ -51,11 +51,7 @@ impl FillPlot {
                 }
             }
             let below = AxisHints::new_x().formatter(move |mark, _| name_at(&names, mark.value));
-            let plot = Plot::new("fill")
-                .height(HEIGHT)
-                .allow_scroll(false)
-                .allow_zoom(false)
-                .allow_drag(false)
+            let plot = still("fill", HEIGHT)
                 .include_y(0.0)
                 .show_grid([false, true])
                 .custom_y_axes(vec![AxisHints::new_y().label("touched, %").label_spacing(8.0..=16.0)])

@@ -2,11 +2,11 @@
 //! the median.
 
 use egui::{Align2, RichText};
-use egui_plot::{AxisHints, Bar, BarChart, Plot, PlotPoint, Text, VLine};
+use egui_plot::{AxisHints, Bar, BarChart, PlotPoint, Text, VLine};
 use formats::key::method::UNSORTED;
 use formats::manifest::{LEFT_ALONE, Stage};
 
-use super::notes::{hint, legend, name_at};
+use super::notes::{hint, legend, name_at, still};
 use crate::analysis::timing::{Verdict, stacked, stage_name};
 use crate::analysis::{OrderAnalysis, QueueAnalysis};
 use crate::model::Context;
@@ -119,11 +119,7 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
     let longest = orders.iter().map(|(_, takes)| *takes).fold(0.0, f64::max);
     let for_bars = ui.available_width() - width;
     let room = f64::from(for_bars / (for_bars - ROOM_FOR_NET).max(ROOM_FOR_NET)).max(1.0);
-    Plot::new("timings")
-        .height(height.max(80.0))
-        .allow_scroll(false)
-        .allow_zoom(false)
-        .allow_drag(false)
+    still("timings", height.max(80.0))
         .include_x(0.0)
         .include_x(longest * room)
         .set_margin_fraction(egui::vec2(0.02, 0.03))

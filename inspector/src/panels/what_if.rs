@@ -2,12 +2,13 @@
 //! Other panels show it like a recorded order; here is which of its bits do the work.
 
 use egui::{DragValue, RichText};
-use egui_plot::{AxisHints, Bar, BarChart, HLine, LineStyle, Plot};
+use egui_plot::{AxisHints, Bar, BarChart, HLine, LineStyle};
 use formats::key::layout::Field;
+use formats::key::method::BUILTIN;
 use formats::key::{Bit, Coordinate, Extent, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError};
 
 use super::filter_box::typed;
-use super::notes::{choose, found, legend, name_at};
+use super::notes::{choose, found, legend, name_at, still};
 use crate::analysis::key_bits::{KeyBit, KeyBits};
 use crate::model::Context;
 use crate::model::what_if::{Estimate, Settings, WHAT_IF};
@@ -78,7 +79,7 @@ fn start_from(ui: &mut egui::Ui, context: &Context, settings: &mut Settings) {
     let recorded = recording.dump.manifest().methods.iter().filter(|record| record.has_layout());
     let recorded = recorded.map(|record| (record.name.clone(), Settings::of(record)));
     let is_recorded = |name: &str| recording.method(name).is_some();
-    let builtin = Settings::builtin_names().filter(|name| !is_recorded(name));
+    let builtin = BUILTIN.iter().map(|(name, ..)| *name).filter(|name| !is_recorded(name));
     let builtin = builtin.filter_map(|name| Some((name.to_owned(), Settings::builtin(name, header)?)));
     let known: Vec<(String, Settings)> = recorded.chain(builtin).collect();
     let name = known.iter().find(|(_, known)| known == settings);
@@ -187,11 +188,7 @@ fn bits(ui: &mut egui::Ui, context: &mut Context, layout: &Layout, key_bits: u32
     let below = AxisHints::new_x().label_spacing(12.0..=18.0);
     // As many names as have room.
     let step = (NAME_WIDTH * found.bits.len() as f32 / ui.available_width()).ceil().max(1.0) as f64;
-    Plot::new("bits")
-        .height(HEIGHT)
-        .allow_scroll(false)
-        .allow_zoom(false)
-        .allow_drag(false)
+    still("bits", HEIGHT)
         .include_y(0.0)
         .show_grid([false, true])
         .custom_y_axes(vec![AxisHints::new_y().label("area, unsorted = 1").label_spacing(8.0..=16.0)])

@@ -6,7 +6,6 @@
 use std::sync::Arc;
 
 use clap::ValueEnum;
-use formats::key::method::BUILTIN;
 use formats::key::{
     Coordinate, Encoder, Extent, Facts, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError, LayoutText, Method,
     Termination,
@@ -106,11 +105,6 @@ impl Settings {
     pub fn named(name_or_layout: &str, header: &Header) -> Self {
         let builtin = Self::builtin(name_or_layout, header);
         builtin.unwrap_or_else(|| Self::with(name_or_layout, Estimate::Fixed, header))
-    }
-
-    /// Names of the methods that are built in.
-    pub fn builtin_names() -> impl Iterator<Item = &'static str> {
-        BUILTIN.iter().map(|(name, ..)| *name)
     }
 
     /// What each bit comes from, for as much as a recording has to number.

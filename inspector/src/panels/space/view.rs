@@ -146,7 +146,7 @@ impl SpaceView {
 
     /// The rays shown, with the numbers that they are coloured by.
     pub(crate) fn data(&self, context: &mut Context) -> Result<Data, String> {
-        let order = context.order().map_err(|reason| reason.to_string())?;
+        let order = context.order()?;
         let places: Vec<usize> = self.layers.shown_places(&self.options, order.len()).collect();
         let numbers = context.numbers(order.clone()).ok_or("no recording is open")?;
         let colour_by = self.options.colour_by;
