@@ -17,16 +17,22 @@ use formats::reader::Dump;
 use inspector::analysis::Metric;
 use inspector::app::App;
 use inspector::model::Context;
-use inspector::model::what_if::{Settings, WHAT_IF};
+use inspector::model::what_if::WHAT_IF;
 use inspector::panels::space::options::SpaceOptions;
 use inspector::session::Session;
+use serde_json::json;
+use tempfile::TempDir;
 
 mod headless;
-#[path = "../../formats/tests/sample/mod.rs"]
-mod sample;
 
-use headless::{State, click, opened, panel, panel_made, settle, window};
-use sample::QUEUE;
+use headless::sample::{self, QUEUE};
+use headless::{State, builtin, click, opened, panel, panel_made, reads, sampled, settle, window, written};
+
+/// The sample as it is first seen: by its best order.
+fn at_first() -> (TempDir, Context) {
+    let (folder, dump) = written();
+    (folder, opened(dump, QUEUE))
+}
 
 /// The ratios on the screen that have the sign of a ratio.
 fn ratios(harness: &Harness<'_, App>) -> Vec<String> {
@@ -54,8 +60,7 @@ fn row<'a>(harness: &'a Harness<'_, App>, method: &'a str) -> egui_kittest::Node
 
 #[test]
 fn a_row_that_is_clicked_is_b_and_with_shift_a_and_the_strip_follows() {
-    let folder = tempfile::tempdir().unwrap();
-    let context = opened(sample::write(folder.path()), QUEUE);
+    let (_folder, context) = at_first();
     let mut harness = window(|format| App::showing(context, format.into()));
     let names = |harness: &Harness<'_, App>| {
         let selection = &harness.state().context.selection;
@@ -80,8 +85,7 @@ fn a_row_that_is_clicked_is_b_and_with_shift_a_and_the_strip_follows() {
 /// of the rounds' ratios.
 #[test]
 fn the_frame_is_that_of_the_closing_table_and_of_any_two_methods() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(sample::write(folder.path()), QUEUE);
+    let (_folder, mut context) = at_first();
     let dump = Dump::open(context.recording().unwrap().dump.root()).unwrap();
     let mut compared = 0;
     for row in Frame::of(dump.manifest()).rows {
@@ -122,8 +126,7 @@ fn the_frame_is_that_of_the_closing_table_and_of_any_two_methods() {
 /// B, the table's numbers and its order are those of the strip, and B is the method that `info` names.
 #[test]
 fn b_and_the_table_go_by_the_number_in_the_strip() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(sample::write(folder.path()), QUEUE);
+    let (_folder, mut context) = at_first();
     let dump = Dump::open(context.recording().unwrap().dump.root()).unwrap();
     let said = Frame::of(dump.manifest()).text();
     assert!(said.contains(&format!("with {}, one of ", context.selection.method)), "{said}");
@@ -140,8 +143,7 @@ fn b_and_the_table_go_by_the_number_in_the_strip() {
 /// B is the best order of the recording that is looked at, until another one is chosen.
 #[test]
 fn of_several_recordings_b_is_the_best_of_each() {
-    let folder = tempfile::tempdir().unwrap();
-    let whole = sample::write(folder.path());
+    let (_folder, whole) = written();
     let queues: Vec<QueueId> =
         Dump::open(&whole).unwrap().manifest().queues.iter().map(|record| record.id).collect();
     let other = sample::thinned(&whole, "other", &queues, &["two-point"]);
@@ -160,9 +162,9 @@ fn of_several_recordings_b_is_the_best_of_each() {
 /// Whatever its times are, they say nothing of an order.
 #[test]
 fn auto_that_left_all_alone_is_not_b() {
-    let folder = tempfile::tempdir().unwrap();
+    let (_folder, dump) = written();
     // Without the record of what it chose.
-    let alone = sample::thinned(&sample::write(folder.path()), "alone", &[QUEUE], &["two-point", AUTO]);
+    let alone = sample::thinned(&dump, "alone", &[QUEUE], &["two-point", AUTO]);
     let mut context = Context::open(&[alone]);
     assert_eq!(context.selection.method, "two-point");
     let ranking = context.ranking(1);
@@ -173,8 +175,8 @@ fn auto_that_left_all_alone_is_not_b() {
 #[test]
 fn a_frame_has_rays_that_a_method_does_not_order_as_they_lie() {
     const SHADOW_RAYS_ALONE: &str = "light-octahedron";
-    let folder = tempfile::tempdir().unwrap();
-    let dump = Dump::open(&sample::write(folder.path())).unwrap();
+    let (_folder, dump) = written();
+    let dump = Dump::open(&dump).unwrap();
     let samples = Samples::of(dump.manifest());
     let queues = dump.manifest().queues.iter().map(|record| record.id);
     let is_timed = |queue: &QueueId| queue.pass == QUEUE.pass;
@@ -201,19 +203,12 @@ fn a_frame_has_rays_that_a_method_does_not_order_as_they_lie() {
 
 #[test]
 fn an_order_that_is_made_can_be_a_beside_b() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(sample::write(folder.path()), QUEUE);
-    context.selection.order_by("aila");
-    let header = &context.recording().unwrap().dump.manifest().header;
-    context.what_if = Some(Settings::builtin("origin", header).unwrap());
+    let (_folder, mut context) = sampled("aila");
+    context.what_if = Some(builtin(&context, "origin"));
     context.hold_against(None, WHAT_IF);
-    let mut harness = panel_made("scene", [900.0, 640.0], context, |panel| {
-        let mut state = panel.state();
-        state["side_by_side"] = true.into();
-        panel.set_state(state).unwrap();
-    });
+    let mut harness = panel_made("scene", [900.0, 640.0], context, json!({ "side_by_side": true }));
     for side in [WHAT_IF, "aila"] {
-        assert!(harness.query_all_by_label(side).next().is_some(), "{side} has no picture");
+        assert!(reads(&harness, side), "{side} has no picture");
     }
     let context = &mut harness.state_mut().context;
     let a = context.of_baseline(|_| None, |context| context.order().unwrap());
@@ -223,10 +218,8 @@ fn an_order_that_is_made_can_be_a_beside_b() {
 
 #[test]
 fn an_order_that_is_made_is_among_the_capsules_too() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(sample::write(folder.path()), QUEUE);
-    let header = &context.recording().unwrap().dump.manifest().header;
-    context.what_if = Some(Settings::builtin("origin", header).unwrap());
+    let (_folder, mut context) = at_first();
+    context.what_if = Some(builtin(&context, "origin"));
     context.selection.order_by(WHAT_IF);
     let mut harness = panel("coherence", context);
     settle(&mut harness);
@@ -235,10 +228,8 @@ fn an_order_that_is_made_is_among_the_capsules_too() {
 
 #[test]
 fn the_table_has_all_orders_the_best_first() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(sample::write(folder.path()), QUEUE);
-    let header = &context.recording().unwrap().dump.manifest().header;
-    context.what_if = Some(Settings::builtin("origin", header).unwrap());
+    let (_folder, mut context) = at_first();
+    context.what_if = Some(builtin(&context, "origin"));
     let harness = panel("methods", context);
     let top = |name: &str| harness.get_by_label(name).rect().top();
     let context = &harness.state().context;
@@ -253,9 +244,9 @@ fn the_table_has_all_orders_the_best_first() {
 /// rays that it was chosen for.
 #[test]
 fn an_order_of_other_rays_is_found_and_comes_back() {
-    let folder = tempfile::tempdir().unwrap();
     const THEIRS: &str = "light-octahedron";
-    let mut harness = panel("methods", opened(sample::write(folder.path()), QUEUE));
+    let (_folder, context) = at_first();
+    let mut harness = panel("methods", context);
     assert!(!harness.state().context.methods().contains(&THEIRS.to_owned()));
     harness.get_by_label("shadow only");
     let row = harness.get_by_label(THEIRS).rect().center();
@@ -276,8 +267,7 @@ fn an_order_of_other_rays_is_found_and_comes_back() {
 /// An order of other bounces and of the other kind, too: a click stays with the kind that is looked at.
 #[test]
 fn an_order_is_looked_for_in_rays_of_the_same_kind_first() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (_folder, dump) = written();
     sample::edit_records(&dump, |record| {
         if let Record::Queue(queue) = record
             && queue.id == QUEUE
@@ -299,8 +289,7 @@ fn an_order_is_looked_for_in_rays_of_the_same_kind_first() {
 /// Unsorted rays beside themselves would answer nothing.
 #[test]
 fn auto_is_not_compared_where_it_left_rays_alone() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (_folder, dump) = written();
     let best =
         |dump: &Path| opened(dump.to_owned(), QUEUE).recording().unwrap().best_method(QUEUE).to_owned();
     sample::edit_records(&dump, |record| {
@@ -320,16 +309,10 @@ fn auto_is_not_compared_where_it_left_rays_alone() {
 /// Colours stand for the same numbers in all orders of a queue.
 #[test]
 fn the_range_of_colours_stays_while_orders_change() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(sample::write(folder.path()), QUEUE);
-    context.selection.order_by("two-point");
-    let mut harness = panel_made("scene", [900.0, 640.0], context, |panel| {
-        let mut state = panel.state();
-        let options = serde_json::to_value(SpaceOptions::default()).unwrap();
-        state["options"] = options;
-        state["options"]["colour_by"] = "area".into();
-        panel.set_state(state).unwrap();
-    });
+    let (_folder, context) = sampled("two-point");
+    let mut options = serde_json::to_value(SpaceOptions::default()).unwrap();
+    options["colour_by"] = "area".into();
+    let mut harness = panel_made("scene", [900.0, 640.0], context, json!({ "options": options }));
     let range =
         |harness: &mut Harness<'_, State>| harness.state_mut().panel.space().unwrap().range().unwrap();
     let first = range(&mut harness);
@@ -344,8 +327,7 @@ fn the_range_of_colours_stays_while_orders_change() {
 /// Escape closes what is on top, and nothing else.
 #[test]
 fn escape_closes_one_thing_after_the_other() {
-    let folder = tempfile::tempdir().unwrap();
-    let context = opened(sample::write(folder.path()), QUEUE);
+    let (_folder, context) = at_first();
     let mut harness = window(|format| App::showing(context, format.into()));
     harness.state_mut().context.select_rays(vec![3, 5]);
     harness.get_by_label("File").click();
@@ -353,8 +335,8 @@ fn escape_closes_one_thing_after_the_other() {
     harness.event(egui::Event::Text("?".to_owned()));
     settle(&mut harness);
     let state = |harness: &Harness<'_, App>| {
-        let reads = |text: &str| harness.query_all_by_label(text).next().is_some();
-        (reads("Quit"), reads("Keys and words"), harness.state().context.selection.rays().len())
+        let rays = harness.state().context.selection.rays();
+        (reads(harness, "Quit"), reads(harness, "Keys and words"), rays.len())
     };
     for expected in [(true, true, 2), (false, true, 2), (false, false, 2), (false, false, 0)] {
         assert_eq!(state(&harness), expected);
@@ -366,9 +348,7 @@ fn escape_closes_one_thing_after_the_other() {
 /// A session of a version before, with panels that are gone: what it compared is A against B now.
 #[test]
 fn a_session_of_before_has_its_two_orders() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(sample::write(folder.path()), QUEUE);
-    context.selection.order_by("aila");
+    let (folder, context) = sampled("aila");
     let mut harness = window(|format| App::showing(context, format.into()));
     let drawn_on = harness.ctx.clone();
     let mut session = serde_json::to_value(harness.state().session(&drawn_on)).unwrap();
@@ -376,7 +356,7 @@ fn a_session_of_before_has_its_two_orders() {
     let selection = session["selection"].as_object_mut().unwrap();
     selection.remove("baseline").unwrap();
     selection.remove("baseline_recording").unwrap();
-    let compare = serde_json::json!({
+    let compare = json!({
         "before": "mine", "before_recording": null, "difference": "hit", "table": true, "all_rows": false,
         "options": session["panels"]["scene"]["options"].clone(), "camera": null
     });
@@ -399,5 +379,5 @@ fn a_session_of_before_has_its_two_orders() {
     assert!(context.problems.is_empty(), "{:?}", context.problems);
     let selection = &context.selection;
     assert_eq!((selection.baseline.method.as_str(), selection.method.as_str()), ("mine", "aila"));
-    assert!(harness.query_all_by_label("by bounce").next().is_some(), "the table of methods is not there");
+    assert!(reads(&harness, "by bounce"), "the table of methods is not there");
 }

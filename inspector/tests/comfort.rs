@@ -14,16 +14,21 @@ use inspector::figures::catalogue::CATALOGUE;
 use inspector::model::what_if::{Estimate, Settings, WHAT_IF};
 use inspector::panels::PANELS;
 use inspector::session::Session;
+use tempfile::TempDir;
 
 mod headless;
-#[path = "../../formats/tests/sample/mod.rs"]
-mod sample;
 
-use headless::{settle, window};
-use sample::QUEUE;
+use headless::sample::QUEUE;
+use headless::{reads, reads_in_part, settle, window, written};
 
 fn on(paths: &[PathBuf]) -> Harness<'static, App> {
     window(|format| App::new(paths, format))
+}
+
+/// A window on the sample, and the folder that it is in.
+fn on_sample() -> (TempDir, Harness<'static, App>) {
+    let (folder, dump) = written();
+    (folder, on(&[dump]))
 }
 
 fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
@@ -31,24 +36,15 @@ fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
     settle(harness);
 }
 
-fn reads(harness: &Harness<'_, App>, text: &str) -> bool {
-    harness.query_all_by_label(text).next().is_some()
-}
-
 /// Shows a part of the text of what is wrong.
 fn has_problem(harness: &Harness<'_, App>, text: &str) -> bool {
-    harness
-        .state()
-        .context
-        .problems
-        .iter()
-        .any(|problem| format!("{}: {}", problem.what, problem.why).contains(text))
+    let mut problems = harness.state().context.problems.iter();
+    problems.any(|problem| format!("{}: {}", problem.what, problem.why).contains(text))
 }
 
 #[test]
 fn a_session_is_shown_as_it_was_saved() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     let mut harness = on(std::slice::from_ref(&dump));
     let app = harness.state_mut();
     app.context.go_to(QUEUE);
@@ -90,8 +86,7 @@ fn a_session_is_shown_as_it_was_saved() {
 /// Panels have other names since version 4.
 #[test]
 fn panels_of_a_session_of_before_are_found() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = on(&[sample::write(folder.path())]);
+    let (folder, mut harness) = on_sample();
     harness.get_by_label("displacement").click();
     settle(&mut harness);
     let context = harness.ctx.clone();
@@ -107,8 +102,7 @@ fn panels_of_a_session_of_before_are_found() {
 
 #[test]
 fn sessions_that_are_none_are_said() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     let mut harness = on(&[dump]);
     let context = harness.ctx.clone();
     let saved = serde_json::to_value(harness.state().session(&context)).unwrap();
@@ -142,8 +136,7 @@ fn sessions_that_are_none_are_said() {
 
 #[test]
 fn selections_are_undone_and_redone() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = on(&[sample::write(folder.path())]);
+    let (_folder, mut harness) = on_sample();
     harness.state_mut().context.go_to(QUEUE);
     settle(&mut harness);
     for ray in [3, 5] {
@@ -162,8 +155,7 @@ fn selections_are_undone_and_redone() {
 
 #[test]
 fn before_a_recording_is_open_there_is_a_way_to_one() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     let mut harness = window(|format| {
         let mut app = App::new(&[], format);
         app.recent.note(&dump);
@@ -172,9 +164,7 @@ fn before_a_recording_is_open_there_is_a_way_to_one() {
         app
     });
     assert!(reads(&harness, "Open recording..."));
-    assert!(
-        harness.query_all_by_label_contains("found neither beside this one nor on the PATH").next().is_some()
-    );
+    assert!(reads_in_part(&harness, "found neither beside this one nor on the PATH"));
     harness.state_mut().open(&folder.path().join("absent.raydump"));
     settle(&mut harness);
     let what = harness.state().context.problems[0].what.clone();
@@ -201,11 +191,10 @@ fn program(folder: &Path, script: &str) -> PathBuf {
 #[cfg(unix)]
 #[test]
 fn the_demo_is_recorded_in_the_background() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     let out = folder.path().join("out");
-    let record = |script: String| {
-        let program = program(folder.path(), &script);
+    let started = |script: &str| {
+        let program = program(folder.path(), script);
         let mut harness = window(|format| {
             let mut app = App::new(&[], format);
             app.demo = Demo::with(Some(program)).into_folder(&out);
@@ -213,6 +202,11 @@ fn the_demo_is_recorded_in_the_background() {
         });
         // The page says it twice: as a heading and on the button.
         harness.get_by_role_and_label(egui::accesskit::Role::Button, "Record the demo").click();
+        settle(&mut harness);
+        harness
+    };
+    let record = |script: &str| {
+        let mut harness = started(script);
         for _ in 0..600 {
             settle(&mut harness);
             if !harness.state().demo.is_running() {
@@ -222,20 +216,14 @@ fn the_demo_is_recorded_in_the_background() {
         }
         harness
     };
-    let harness = record("echo no GPU >&2; exit 3".to_owned());
+    let harness = record("echo no GPU >&2; exit 3");
     assert!(has_problem(&harness, "no GPU"), "{:?}", harness.state().context.problems);
     let copy =
         format!("echo \"$@\"; test \"$1 $2\" = \"demo --out\"; cp -r {} \"$3\"/demo.raydump", dump.display());
-    let harness = record(copy);
+    let harness = record(&copy);
     assert_eq!(harness.state().context.recordings.len(), 1, "{:?}", harness.state().context.problems);
     assert!(harness.state().context.recordings[0].dump.root().ends_with("out/demo.raydump"));
-    let mut harness = window(|format| {
-        let mut app = App::new(&[], format);
-        app.demo = Demo::with(Some(program(folder.path(), "sleep 60"))).into_folder(&out);
-        app
-    });
-    harness.get_by_role_and_label(egui::accesskit::Role::Button, "Record the demo").click();
-    settle(&mut harness);
+    let mut harness = started("sleep 60");
     assert!(harness.state().demo.is_running());
     harness.get_by_label("Cancel").click();
     settle(&mut harness);
@@ -244,8 +232,7 @@ fn the_demo_is_recorded_in_the_background() {
 
 #[test]
 fn a_recording_that_grows_is_read_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let whole = sample::write(folder.path());
+    let (folder, whole) = written();
     let manifest = std::fs::read(whole.join("manifest.bin")).unwrap();
     let partial = folder.path().join("sample.raydump.partial");
     std::fs::rename(&whole, &partial).unwrap();
@@ -277,8 +264,7 @@ fn a_recording_that_grows_is_read_again() {
 
 #[test]
 fn the_command_that_is_shown_draws_what_is_seen() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = on(&[sample::write(folder.path())]);
+    let (folder, mut harness) = on_sample();
     let app = harness.state_mut();
     app.context.go_to(QUEUE);
     app.context.selection.order_by("aila");
@@ -294,11 +280,7 @@ fn the_command_that_is_shown_draws_what_is_seen() {
     let file = folder.path().join("view.json");
     let command =
         |panel: &str, harness: &Harness<'_, App>| harness.state().command(panel, &file, &context).unwrap();
-    let draw = |command: &str, panel: &str| {
-        let out = folder.path().join("again.png");
-        repeat(command, &format!("--out {panel}.png"), &format!("--out {}", out.display()));
-        std::fs::read(out).unwrap()
-    };
+    let draw = |command: &str, panel: &str| drawn(folder.path(), command, panel);
     for (panel, view) in
         [("rays", "rays-table"), ("pixels", "pixels"), ("window", "window"), ("scene", "order")]
     {
@@ -328,8 +310,7 @@ fn the_command_that_is_shown_draws_what_is_seen() {
 /// An order that was made, with bits, a length and an estimate of its own, is drawn by the command.
 #[test]
 fn the_command_of_an_order_that_was_made_draws_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = on(&[sample::write(folder.path())]);
+    let (folder, mut harness) = on_sample();
     let settings = |text: &str, key_bits, estimate, length| Settings {
         text: text.to_owned(),
         key_bits,
@@ -359,20 +340,13 @@ fn the_command_of_an_order_that_was_made_draws_it() {
         let size = command.split_whitespace().skip_while(|word| *word != "--size").nth(1).unwrap();
         // As many rows as there are rays.
         let command = command.replace(size, "600x4000");
-        let draw = |command: &str, name: &str| {
-            let out = folder.path().join(name);
-            repeat(command, "--out rays.png", &format!("--out {}", out.display()));
-            std::fs::read(out).unwrap()
-        };
-        let drawn = draw(&command, "made.png");
+        let draw = |command: &str| drawn(folder.path(), command, "rays");
+        let drawn = draw(&command);
         let by_session = format!("--session {}", session.display());
         let by_options = |options: &str| command.replace(&by_session, &format!("--bounce 1 {options}"));
-        assert!(
-            draw(&by_options(options), "options.png") == drawn,
-            "{options} shows another order: {keys:?}"
-        );
+        assert!(draw(&by_options(options)) == drawn, "{options} shows another order: {keys:?}");
         let usual = options.split(" --set").next().unwrap();
-        assert!(draw(&by_options(usual), "usual.png") != drawn, "{options} changes nothing");
+        assert!(draw(&by_options(usual)) != drawn, "{options} changes nothing");
     }
 }
 
@@ -383,6 +357,13 @@ fn repeat(command: &str, from: &str, to: &str) {
     assert!(done.status.success(), "{again}: {}", String::from_utf8_lossy(&done.stderr));
 }
 
+/// The picture of a panel that such a command draws.
+fn drawn(folder: &Path, command: &str, panel: &str) -> Vec<u8> {
+    let out = folder.join("again.png");
+    repeat(command, &format!("--out {panel}.png"), &format!("--out {}", out.display()));
+    std::fs::read(out).unwrap()
+}
+
 /// What a panel offers is in the catalogue; what is exported is what the command that is shown then writes.
 #[test]
 fn figures_of_a_panel_are_those_of_plot() {
@@ -390,8 +371,7 @@ fn figures_of_a_panel_are_those_of_plot() {
     for panel in PANELS {
         assert!(panel.figures.iter().all(|name| known.contains(name)), "{}: {:?}", panel.name, panel.figures);
     }
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = on(&[sample::write(folder.path())]);
+    let (folder, mut harness) = on_sample();
     let [first, second] = ["first", "second"].map(|name| folder.path().join(name));
     harness.state_mut().export_figure("table-fill", first.clone());
     harness.state_mut().export_figure("key-bits", first.clone());

@@ -7,8 +7,6 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
 use formats::manifest::scan::scan;
 use formats::manifest::{Header, MethodArray, Place, QueueArray, QueueId, Record};
 use formats::ray::{Hit, Kind};
@@ -27,13 +25,13 @@ use inspector::render::camera::Camera;
 use inspector::render::geometry::{Geometry, Mark, Shape};
 use inspector::render::picture::{Cut, Layer, LayerUniform, Paint, SpacePicture, Stage};
 use inspector::render::surfaces::Surfaces;
+use serde_json::json;
+use tempfile::TempDir;
 
 mod headless;
-#[path = "../../formats/tests/sample/mod.rs"]
-mod sample;
 
-use headless::{State, panel_made, shown_by};
-use sample::QUEUE;
+use headless::sample::{self, QUEUE};
+use headless::{State, panel_made, reads, shown_by, written};
 
 const SHADOW: QueueId = QueueId { kind: Kind::Shadow, ..QUEUE };
 
@@ -75,6 +73,11 @@ fn altered(whole: &Path) -> PathBuf {
     panic!("the sample has an end")
 }
 
+fn recorded() -> (TempDir, Context) {
+    let (folder, dump) = written();
+    (folder, Context::open(&[dump]))
+}
+
 fn order(context: &mut Context, recording: usize, method: &str) -> Arc<Order> {
     context.select_recording(recording);
     context.go_to(QUEUE);
@@ -95,8 +98,7 @@ fn values(orders: [&Arc<Order>; 2], width: GroupWidth, difference: Difference) -
 
 #[test]
 fn two_orders_differ_in_places_and_areas_alone() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = Context::open(&[sample::write(folder.path())]);
+    let (_folder, mut context) = recorded();
     let [left, right] = ["unsorted", "two-point"].map(|method| order(&mut context, 0, method));
     let comparison = compared([&left, &right], GroupWidth::Rays32, Difference::Displacement);
     let counts = &comparison.counts;
@@ -123,8 +125,7 @@ fn two_orders_differ_in_places_and_areas_alone() {
 
 #[test]
 fn two_recordings_differ_where_they_were_made_to() {
-    let folder = tempfile::tempdir().unwrap();
-    let whole = sample::write(folder.path());
+    let (_folder, whole) = written();
     let mut context = Context::open(&[whole.clone(), altered(&whole)]);
     assert!(context.problems.is_empty(), "{:?}", context.problems);
     let [left, right] = [0, 1].map(|recording| order(&mut context, recording, "aila"));
@@ -150,8 +151,7 @@ fn two_recordings_differ_where_they_were_made_to() {
 
 #[test]
 fn rays_of_queues_of_other_paths_are_matched_by_path() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = Context::open(&[sample::write(folder.path())]);
+    let (_folder, mut context) = recorded();
     let right = order(&mut context, 0, "unsorted");
     context.go_to(QueueId { bounce: 0, ..QUEUE });
     let left = context.awaited_order().unwrap();
@@ -168,34 +168,20 @@ fn rays_of_queues_of_other_paths_are_matched_by_path() {
     assert_eq!(alone, left.len() - right.len());
 }
 
-/// The panel with this of its state changed.
-fn compare(state: &serde_json::Value, context: Context) -> Harness<'static, State> {
-    panel_made("scene", [900.0, 900.0], context, |panel| {
-        let mut whole = panel.state();
-        for (name, value) in state.as_object().unwrap() {
-            whole[name] = value.clone();
-        }
-        panel.set_state(whole).unwrap();
-    })
-}
-
 #[test]
 fn the_panel_shows_a_line_for_each_difference_and_the_same_picture_each_time() {
-    let folder = tempfile::tempdir().unwrap();
-    let whole = sample::write(folder.path());
+    let (_folder, whole) = written();
     let other = altered(&whole);
     let picture = || {
         let mut context = Context::open(&[whole.clone(), other.clone()]);
         order(&mut context, 1, "aila");
         context.hold_against(Some(0), "aila");
-        let wanted = serde_json::json!(
-            { "side_by_side": true, "difference": "hit", "table": true }
-        );
-        let mut harness = compare(&wanted, context);
+        let wanted = json!({ "side_by_side": true, "difference": "hit", "table": true });
+        let mut harness = panel_made("scene", [900.0, 900.0], context, wanted);
         for text in ["seed", "trace kernel", "adapter", "hits", "keys", "another processor", "1 differ"] {
-            assert!(harness.query_all_by_label(text).next().is_some(), "{text} is not shown");
+            assert!(reads(&harness, text), "{text} is not shown");
         }
-        assert!(harness.query_all_by_label("scene hash").next().is_none(), "what is the same is left out");
+        assert!(!reads(&harness, "scene hash"), "what is the same is left out");
         let State { panel, context } = harness.state_mut();
         let csv = panel.data(context).ok().unwrap().text();
         assert!(csv.contains("seed\t7\t8\ttrue\n") && csv.contains("bounces\t2\t2\tfalse\n"), "{csv}");
@@ -212,8 +198,7 @@ fn layers(context: &mut Context, options: &SpaceOptions, values: Option<RayValue
 
 #[test]
 fn ends_are_marked_by_what_rays_found() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = Context::open(&[sample::write(folder.path())]);
+    let (_folder, mut context) = recorded();
     for (queue, kinds) in [(QUEUE, [Mark::Hit, Mark::Miss]), (SHADOW, [Mark::Occluded, Mark::Miss])] {
         context.go_to(queue);
         context.order_by("unsorted");
@@ -275,15 +260,8 @@ fn the_clipping_plane_cuts_surfaces_alone() {
             );
         }
     }
-    let layer = |stage| Layer {
-        geometry: Geometry::from(Shape::Segments(Vec::new())),
-        part: None,
-        stage,
-        paint: Paint::Plain([1.0; 4]),
-        opacity: 1.0,
-        hidden_opacity: 0.0,
-        width: 1.0,
-    };
+    let nothing = Geometry::from(Shape::Segments(Vec::new()));
+    let layer = |stage| Layer::of(&nothing, stage, Paint::Plain([1.0; 4]), 1.0);
     let picture = SpacePicture {
         camera: Camera::overview(sides),
         pixels: [64, 64],
@@ -310,8 +288,7 @@ fn the_clipping_plane_cuts_surfaces_alone() {
 
 #[test]
 fn cells_are_boxes_in_which_rays_of_earlier_queues_started() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = Context::open(&[sample::write(folder.path())]);
+    let (_folder, mut context) = recorded();
     let order = order(&mut context, 0, "unsorted");
     let touched = order.queue.cells.as_ref().unwrap();
     let options = SpaceOptions { cells: true, cell_count: usize::MAX, ..SpaceOptions::default() };
@@ -336,8 +313,7 @@ fn cells_are_boxes_in_which_rays_of_earlier_queues_started() {
 
 #[test]
 fn numbers_of_rays_colour_the_curve_in_any_order() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = Context::open(&[sample::write(folder.path())]);
+    let (_folder, mut context) = recorded();
     let order = order(&mut context, 0, "two-point");
     let of_ray: Vec<f32> = (0..order.len()).map(|ray| ray as f32 + 0.5).collect();
     let values =

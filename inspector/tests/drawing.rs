@@ -42,16 +42,7 @@ fn drawn(
     refusal: &Refusal,
 ) -> impl Fn(u32, u32) -> [u8; 3] + use<> {
     let theme = Theme::of(&egui::Context::default());
-    let layer = Layer {
-        geometry: shape.into(),
-        part: None,
-        stage,
-        paint,
-        opacity: 1.0,
-        hidden_opacity: 0.0,
-        width: 1.0,
-    };
-    let layers = vec![layer];
+    let layers = vec![Layer { width: 1.0, ..Layer::of(&shape.into(), stage, paint, 1.0) }];
     let picture = Arc::new(SpacePicture {
         camera,
         pixels,

@@ -29,11 +29,9 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
 mod headless;
-#[path = "../../formats/tests/sample/mod.rs"]
-mod sample;
 
-use headless::{State, ordered, panel, settle, shown_by};
-use sample::QUEUE;
+use headless::sample::{self, QUEUE};
+use headless::{State, ordered, reads, reads_in_part, sampled, sampled_panel, settle, shown_by, written};
 
 fn numbers(context: &mut Context) -> Numbers {
     let order = context.awaited_order().unwrap();
@@ -58,8 +56,7 @@ fn places(text: &str, numbers: &Numbers) -> Vec<u32> {
 /// Each name against the recording, read in another way.
 #[test]
 fn names_mean_what_the_recording_holds() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
+    let (_folder, mut context) = sampled("two-point");
     let numbers = numbers(&mut context);
     let order = &*numbers.order;
     let queue = &order.queue;
@@ -121,14 +118,8 @@ fn names_mean_what_the_recording_holds() {
 /// other way panics.
 #[test]
 fn what_takes_groups_finds_them_first() {
-    let folder = tempfile::tempdir().unwrap();
-    sample::write(folder.path());
-    let fresh = || {
-        let mut context = Context::open(&[folder.path().join("sample.raydump")]);
-        context.go_to(QUEUE);
-        context.selection.order_by("two-point");
-        context
-    };
+    let (_folder, dump) = written();
+    let fresh = || ordered(dump.clone(), QUEUE, "two-point");
     // The sample is too small for many threads, but groups are found before light is missed.
     let numbers_of_filter = numbers(&mut fresh());
     let expression = Expression::parse("spread < 0.8 && light > 0").unwrap();
@@ -149,9 +140,8 @@ fn what_takes_groups_finds_them_first() {
 
 #[test]
 fn lights_belong_to_shadow_rays() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context =
-        ordered(sample::write(folder.path()), QueueId { kind: Kind::Shadow, ..QUEUE }, "light-octahedron");
+    let (_folder, dump) = written();
+    let mut context = ordered(dump, QueueId { kind: Kind::Shadow, ..QUEUE }, "light-octahedron");
     let numbers = numbers(&mut context);
     let order = &*numbers.order;
     let lights = order.queue.lights.as_ref().unwrap();
@@ -165,8 +155,7 @@ fn lights_belong_to_shadow_rays() {
 
 #[test]
 fn materials_are_those_of_the_triangles_hit() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "aila");
+    let (_folder, mut context) = sampled("aila");
     let place = Place::Scene(SceneArray::Materials);
     let materials = context.recording().unwrap().dump.array::<u32>(&place).unwrap();
     let numbers = numbers(&mut context);
@@ -184,8 +173,7 @@ fn materials_are_those_of_the_triangles_hit() {
 /// The rays of a cell: the mean that the stored cell has is the estimate of those rays, but for those that end before.
 #[test]
 fn the_rays_of_a_cell_have_its_mean() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "aila");
+    let (_folder, mut context) = sampled("aila");
     let numbers = numbers(&mut context);
     let cells = numbers.order.queue.cells.as_ref().unwrap();
     let (mut found, mut uncut) = (0, 0);
@@ -203,8 +191,7 @@ fn the_rays_of_a_cell_have_its_mean() {
 
 #[test]
 fn what_keys_do_not_hold_is_said() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "aila");
+    let (_folder, mut context) = sampled("aila");
     let aila = numbers(&mut context);
     let expression = Expression::parse("t > 1 && field(ex) > 3").unwrap();
     let error = aila.passing(&expression).unwrap_err();
@@ -296,8 +283,7 @@ fn runner(cases: u32) -> TestRunner {
 
 #[test]
 fn filters_are_their_oracle() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "mine");
+    let (_folder, mut context) = sampled("mine");
     let numbers = numbers(&mut context);
     let check = |condition: Sample| {
         let expected = kept(&numbers.order, |place, _| (condition.of)(&numbers, place) == 1.0);
@@ -326,8 +312,7 @@ fn no_text_is_a_panic() {
 /// Against a stable sort by comparison.
 #[test]
 fn rows_are_sorted_stably_and_filtered() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
+    let (_folder, mut context) = sampled("two-point");
     let numbers = numbers(&mut context);
     let filter = numbers.passing(&Expression::parse("x > 4").unwrap()).unwrap();
     for &by in Quantity::ALL {
@@ -364,22 +349,20 @@ fn type_filter(harness: &mut Harness<'_, State>, text: &str) {
 
 #[test]
 fn a_filter_that_is_wrong_is_said_where_it_is_typed() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("rays", ordered(sample::write(folder.path()), QUEUE, "aila"));
+    let (_folder, mut harness) = sampled_panel("rays", "aila");
     type_filter(&mut harness, "bounse == 1");
     let said = "character 1: found 'bounse', which no ray has; did you mean 'bounce'?";
-    assert!(harness.query_all_by_label(said).next().is_some(), "{said} is not shown");
+    assert!(reads(&harness, said), "{said} is not shown");
     let context = &mut harness.state_mut().context;
     context.selection.filter.set("field(ex) > 1");
     settle(&mut harness);
-    assert!(harness.query_all_by_label_contains("keys of aila have no field ex").next().is_some());
+    assert!(reads_in_part(&harness, "keys of aila have no field ex"));
 }
 
 /// What is typed above the table is what space shows.
 #[test]
 fn a_filter_links_table_and_space() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("rays", ordered(sample::write(folder.path()), QUEUE, "two-point"));
+    let (_folder, mut harness) = sampled_panel("rays", "two-point");
     type_filter(&mut harness, "length < 0.25 && hit");
     let context = &mut harness.state_mut().context;
     let numbers = numbers(context);
@@ -411,8 +394,7 @@ fn a_filter_links_table_and_space() {
 /// The picture of the order: rays that do not pass are grey, and only those.
 #[test]
 fn a_filter_greys_the_other_pixels() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("pixels", ordered(sample::write(folder.path()), QUEUE, "two-point"));
+    let (_folder, mut harness) = sampled_panel("pixels", "two-point");
     let mut grey = |text: &str| -> Vec<u32> {
         harness.state_mut().context.selection.filter.set(text);
         settle(&mut harness);
@@ -434,8 +416,7 @@ fn a_filter_greys_the_other_pixels() {
 
 #[test]
 fn a_header_sorts_and_again_the_other_way() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("rays", ordered(sample::write(folder.path()), QUEUE, "two-point"));
+    let (_folder, mut harness) = sampled_panel("rays", "two-point");
     let numbers = numbers(&mut harness.state_mut().context);
     let lengths = (0..numbers.order.len()).map(|place| value(&numbers, Quantity::Length, place));
     let lengths: BTreeSet<u32> = lengths.map(|length| (length as f32).to_bits()).collect();
@@ -454,8 +435,7 @@ fn a_header_sorts_and_again_the_other_way() {
 
 #[test]
 fn rows_in_sight_are_copied_as_text() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("rays", ordered(sample::write(folder.path()), QUEUE, "two-point"));
+    let (_folder, mut harness) = sampled_panel("rays", "two-point");
     let ray = numbers(&mut harness.state_mut().context).order.places.ray(2);
     harness.get_by_label("copy").click();
     harness.step();

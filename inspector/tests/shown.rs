@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::process::Command;
 
+use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use formats::hierarchy::Hierarchy;
 use formats::key::method::AUTO;
@@ -20,17 +21,17 @@ use inspector::panels::space::options::{CapsuleChoice, SpaceOptions, VisitChoice
 use inspector::render::geometry::Shape;
 use inspector::render::picture::{Layer, Paint, Stage};
 use inspector::render::range::ValueRange;
+use tempfile::TempDir;
 
 mod headless;
-#[path = "../../formats/tests/sample/mod.rs"]
-mod sample;
 
-use headless::{State, layers, panel, settle};
+use headless::{State, layers, panel, reads, sample, settle, written};
 
-fn opened(folder: &std::path::Path) -> Context {
-    let mut context = Context::open(&[sample::write(folder)]);
+fn opened() -> (TempDir, Context) {
+    let (folder, dump) = written();
+    let mut context = Context::open(&[dump]);
     context.order_by("aila");
-    context
+    (folder, context)
 }
 
 fn strip(layers: &[Layer]) -> &Layer {
@@ -56,8 +57,7 @@ print(*sorted(np.argsort(-lengths, kind="stable")[:wanted]))
 #[test]
 fn the_longest_jumps_are_drawn_in_colours_of_their_own_length() {
     const JUMPS: usize = 5;
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let (_folder, mut context) = opened();
     let order = context.awaited_order().unwrap();
     let origin = |place: usize| order.queue.segment(order.places.ray(place)).origin;
     let length = |place: usize| {
@@ -103,8 +103,7 @@ fn the_longest_jumps_are_drawn_in_colours_of_their_own_length() {
 
 #[test]
 fn capsules_are_those_of_some_groups_while_none_is_selected() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let (_folder, mut context) = opened();
     let options = SpaceOptions { capsules: true, capsule_choice: CapsuleChoice::Selected, ..nothing() };
     let count = |context: &mut Context| {
         let drawn = layers(context, &options);
@@ -119,8 +118,7 @@ fn capsules_are_those_of_some_groups_while_none_is_selected() {
 /// Against the way of each ray of the group through the hierarchy.
 #[test]
 fn boxes_are_drawn_that_a_ray_and_its_group_enter() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let (_folder, mut context) = opened();
     let order = context.awaited_order().unwrap();
     context.select_ray(Some(order.places.ray(0)));
     let hierarchy = Hierarchy::open(&context.recording().unwrap().dump).unwrap();
@@ -157,8 +155,7 @@ fn boxes_are_drawn_that_a_ray_and_its_group_enter() {
 /// Against all pairs of rays.
 #[test]
 fn near_rays_have_the_colour_of_their_mean() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let (_folder, mut context) = opened();
     let order = context.awaited_order().unwrap();
     let colour_by = ColourBy::try_from("place".to_owned()).unwrap();
     let options = SpaceOptions { ends: true, colour_by, near_mean: true, detail: 1000, ..nothing() };
@@ -186,8 +183,7 @@ fn near_rays_have_the_colour_of_their_mean() {
 
 #[test]
 fn what_is_not_selected_fades_to_a_tenth() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let (_folder, mut context) = opened();
     let options = SpaceOptions { jumps: 0, ..SpaceOptions::default() };
     let opacity = |context: &mut Context| strip(&layers(context, &options)).opacity;
     let alone = opacity(&mut context);
@@ -198,8 +194,7 @@ fn what_is_not_selected_fades_to_a_tenth() {
 /// Against the arrays of each queue, read one after the other and sought through.
 #[test]
 fn a_path_is_its_rays_in_all_bounces() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let (_folder, mut context) = opened();
     let dump = Dump::open(context.recording().unwrap().dump.root()).unwrap();
     let order = context.awaited_order().unwrap();
     let pass = context.selection.queue.pass;
@@ -249,8 +244,7 @@ fn a_path_is_its_rays_in_all_bounces() {
 
 #[test]
 fn the_path_of_the_selected_ray_is_drawn_by_bounce() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let (_folder, mut context) = opened();
     context.select_ray(Some(3));
     let pixel = context.awaited_order().unwrap().queue.path_ids[3];
     let drawn = layers(&mut context, &SpaceOptions { path: true, ..nothing() });
@@ -277,8 +271,7 @@ fn the_path_of_the_selected_ray_is_drawn_by_bounce() {
 /// Against the path indices of all queues of the pass.
 #[test]
 fn the_paths_of_a_group_are_those_of_all_its_rays() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let (_folder, mut context) = opened();
     let order = context.awaited_order().unwrap();
     context.select_ray(Some(order.places.ray(70)));
     let group: Vec<u32> = order
@@ -320,15 +313,14 @@ fn the_paths_of_a_group_are_those_of_all_its_rays() {
 /// Ctrl-click in any panel adds a ray, and takes it away again; all of them stand out. Without Ctrl there is one.
 #[test]
 fn rays_are_added_and_taken_away_with_ctrl() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let (_folder, mut context) = opened();
     let order = context.awaited_order().unwrap();
     context.select_ray(Some(order.places.ray(70)));
     let mut harness = panel("rays", context);
     let ray = order.places.ray(63);
     let pixel = order.queue.path_ids[ray];
     let label = format!("{},{}", pixel % sample::WIDTH, pixel / sample::WIDTH);
-    let click_row = |harness: &mut egui_kittest::Harness<'_, headless::State>, modifiers: egui::Modifiers| {
+    let click_row = |harness: &mut Harness<'_, State>, modifiers: egui::Modifiers| {
         harness.get_by_label(&label).click_modifiers(modifiers);
         settle(harness);
         harness.state().context.selection.rays()
@@ -360,14 +352,12 @@ fn rays_are_added_and_taken_away_with_ctrl() {
 #[test]
 fn pixels_and_points_in_space_are_added_with_ctrl() {
     for (name, at) in [("pixels", [300.0, 300.0]), ("scene", [450.0, 330.0])] {
-        let folder = tempfile::tempdir().unwrap();
-        let mut context = opened(folder.path());
+        let (_folder, mut context) = opened();
         let last = context.awaited_order().unwrap().len() - 1;
         context.select_ray(Some(last));
         let mut harness = panel(name, context);
         harness.event(egui::Event::ModifiersChanged(egui::Modifiers::COMMAND));
-        let rays =
-            |harness: &egui_kittest::Harness<'_, headless::State>| harness.state().context.selection.rays();
+        let rays = |harness: &Harness<'_, State>| harness.state().context.selection.rays();
         let mut tried = (0..12).flat_map(|row| (0..12).map(move |column| [column, row]));
         let added = tried.find(|&offset| {
             let offset = egui::Vec2::from(offset.map(|step| 12.0 * step as f32 - 72.0));
@@ -384,9 +374,9 @@ fn pixels_and_points_in_space_are_added_with_ctrl() {
 /// A button shows the whole of its picture, whatever was shown before.
 #[test]
 fn buttons_show_pictures_that_answer_a_question() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("scene", opened(folder.path()));
-    let shown = |harness: &mut egui_kittest::Harness<'_, headless::State>, button: &str| {
+    let (_folder, context) = opened();
+    let mut harness = panel("scene", context);
+    let shown = |harness: &mut Harness<'_, State>, button: &str| {
         harness.get_by_label(button).click();
         settle(harness);
         let state = harness.state().panel.state();
@@ -414,11 +404,8 @@ fn buttons_show_pictures_that_answer_a_question() {
 
 #[test]
 fn properties_stay_open_and_a_picture_has_no_buttons() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("scene", opened(folder.path()));
-    let reads = |harness: &egui_kittest::Harness<'_, headless::State>, label: &str| {
-        harness.query_all_by_label(label).next().is_some()
-    };
+    let (_folder, context) = opened();
+    let mut harness = panel("scene", context);
     harness.get_by_label("Properties").click();
     settle(&mut harness);
     for property in ["Rays", "Hit points", "Rays"] {
@@ -441,8 +428,8 @@ fn properties_stay_open_and_a_picture_has_no_buttons() {
 /// What is said of a ray is said of the one that a click selects.
 #[test]
 fn what_the_pointer_is_on_is_said() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("scene", opened(folder.path()));
+    let (_folder, context) = opened();
+    let mut harness = panel("scene", context);
     harness.get_by_label("Cost").click();
     settle(&mut harness);
     let mut said = 0;
@@ -474,8 +461,7 @@ fn what_the_pointer_is_on_is_said() {
 /// The times of `auto` without those of a sort are its trace of unsorted rays and nothing more.
 #[test]
 fn what_auto_left_alone_has_no_speedup_among_the_times() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (_folder, path) = written();
     let speedups = || {
         let context = Context::open(std::slice::from_ref(&path));
         let mut harness = panel("timings", context);

@@ -3,12 +3,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+use std::collections::BTreeSet;
+
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use formats::key::Facts;
 use inspector::analysis::{GroupWidth, Metric};
-use inspector::model::Absent;
-use inspector::model::derived::Filtered;
+use inspector::model::coherences::OrderCoherence;
 use inspector::model::key::{ReadKey, field_text};
 use inspector::model::what_if::{Estimate, Settings, WHAT_IF};
 use inspector::model::{Context, Order};
@@ -17,17 +18,13 @@ use inspector::render::geometry::Shape;
 use inspector::render::picture::Stage;
 
 mod headless;
-#[path = "../../formats/tests/sample/mod.rs"]
-mod sample;
 
-use headless::{click, layers, ordered, panel, settle};
-use sample::QUEUE;
+use headless::{awaited, builtin, click, layers, panel, passing, sampled, sampled_panel, settle};
 
 /// Of every method on every queue: keys and places, bit for bit, as they were recorded.
 #[test]
 fn recorded_settings_give_recorded_keys_and_places() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
+    let (_folder, mut context) = sampled("two-point");
     let dump = context.recording().unwrap().dump.clone();
     let mut compared = 0;
     for record in &dump.manifest().queues {
@@ -59,8 +56,7 @@ fn recorded_settings_give_recorded_keys_and_places() {
 /// Keys of the words for curves, exclusive or and lengths, read back field by field.
 #[test]
 fn curves_and_lengths_are_typed_and_explained() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
+    let (_folder, mut context) = sampled("two-point");
     let header = context.recording().unwrap().dump.manifest().header.clone();
     let mut made = |text: &str| {
         let mut settings = Settings::named(text, &header);
@@ -98,10 +94,8 @@ fn curves_and_lengths_are_typed_and_explained() {
 
 #[test]
 fn what_the_recording_lacks_is_said() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
-    let header = &context.recording().unwrap().dump.manifest().header;
-    context.what_if = Settings::builtin("light-octahedron", header);
+    let (_folder, mut context) = sampled("two-point");
+    context.what_if = Some(builtin(&context, "light-octahedron"));
     context.selection.order_by(WHAT_IF);
     let error = context.awaited_order().unwrap_err();
     assert!(error.contains("only shadow rays have"), "{error}");
@@ -110,8 +104,7 @@ fn what_the_recording_lacks_is_said() {
 /// The order that is made has the numbers of the recorded one beside it, and other panels can show it.
 #[test]
 fn the_order_that_is_made_stands_beside_recorded_ones() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut made = panel("what-if", ordered(sample::write(folder.path()), QUEUE, "two-point"));
+    let (_folder, mut made) = sampled_panel("what-if", "two-point");
     let context = std::mem::take(&mut made.state_mut().context);
     let mut harness = panel("methods", context);
     let context = &mut harness.state_mut().context;
@@ -138,24 +131,16 @@ fn the_order_that_is_made_stands_beside_recorded_ones() {
 /// Of each bit the area is that of the order by keys that end there, which the encoder makes by itself.
 #[test]
 fn a_bit_is_worth_what_keys_that_end_there_are() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
+    let (_folder, mut context) = sampled("two-point");
     let header = context.recording().unwrap().dump.manifest().header.clone();
-    let area = |context: &mut Context| loop {
-        match context.what_if_coherence() {
-            Err(Absent::Awaited) => context.finish(),
-            found => break found.unwrap().coherence.known().unwrap().mean_capsule_area,
-        };
+    let area = |context: &mut Context| {
+        let area = |found: &OrderCoherence| found.coherence.known().unwrap().mean_capsule_area;
+        awaited(context, |context| context.what_if_coherence().map(area)).unwrap()
     };
     for (text, filled) in [("(ox oy oz ex ey ez)*4", 24), ("hilbert(dx dy dz)*4", 12)] {
         let settings = Settings { key_bits: 24, ..Settings::named(text, &header) };
         context.what_if = Some(settings.clone());
-        let found = loop {
-            match context.what_if_bits() {
-                Err(Absent::Awaited) => context.finish(),
-                found => break found.unwrap(),
-            };
-        };
+        let found = awaited(&mut context, Context::what_if_bits).unwrap();
         assert_eq!(found.bits.len(), filled, "{text}: bits of the layout alone");
         for key_bits in 8..=filled as u32 {
             context.what_if = Some(Settings { key_bits, ..settings.clone() });
@@ -169,10 +154,8 @@ fn a_bit_is_worth_what_keys_that_end_there_are() {
 /// Nothing is awaited of an order that cannot be made.
 #[test]
 fn a_layout_that_is_wrong_has_no_numbers_and_says_why() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
-    let header = &context.recording().unwrap().dump.manifest().header;
-    let settings = Settings::builtin("origin", header).unwrap();
+    let (_folder, mut context) = sampled("two-point");
+    let settings = builtin(&context, "origin");
     context.what_if = Some(Settings { key_bits: 200, ..settings.clone() });
     context.selection.order_by(WHAT_IF);
     assert_eq!(context.awaited_order().err().unwrap(), "200 key bits, expected 8 to 64");
@@ -187,10 +170,8 @@ fn a_layout_that_is_wrong_has_no_numbers_and_says_why() {
 
 #[test]
 fn a_layout_that_is_wrong_is_said_where_it_is_typed() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
-    let header = &context.recording().unwrap().dump.manifest().header;
-    let settings = Settings::builtin("origin", header).unwrap();
+    let (_folder, mut context) = sampled("two-point");
+    let settings = builtin(&context, "origin");
     context.what_if = Some(Settings { text: "ox oy ".to_owned(), ..settings });
     let mut harness = panel("what-if", context);
     harness.get_by_role(Role::TextInput).focus();
@@ -207,8 +188,7 @@ fn a_layout_that_is_wrong_is_said_where_it_is_typed() {
 
 #[test]
 fn a_group_of_the_worst_is_a_capsule_in_space() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
+    let (_folder, mut context) = sampled("two-point");
     context.selection.group_width = GroupWidth::Rays32;
     let mut harness = panel("coherence", context);
     let context = &mut harness.state_mut().context;
@@ -234,8 +214,7 @@ fn a_group_of_the_worst_is_a_capsule_in_space() {
 
 #[test]
 fn a_cell_that_is_clicked_is_its_rays() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("length-table", ordered(sample::write(folder.path()), QUEUE, "two-point"));
+    let (_folder, mut harness) = sampled_panel("length-table", "two-point");
     let at = egui::pos2(200.0, 300.0);
     click(&mut harness, at);
     let context = &mut harness.state_mut().context;
@@ -258,18 +237,10 @@ fn a_cell_that_is_clicked_is_its_rays() {
     harness.get_by_label("filter these").click();
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
-    let filtered = loop {
-        match context.filtered(&order) {
-            Filtered::Unknown => assert!(context.finish()),
-            filtered => break filtered,
-        }
-    };
-    let mut passing: Vec<u32> = (0..order.len())
-        .filter(|&place| filtered.contains(place))
-        .map(|place| order.places.ray(place) as u32)
-        .collect();
-    passing.sort_unstable();
-    assert_eq!(passing, expected);
+    let passing = passing(context, &order);
+    let rays = passing.places().iter().map(|&place| order.places.ray(place as usize) as u32);
+    assert_eq!(rays.collect::<BTreeSet<_>>(), expected.iter().copied().collect());
+    assert_eq!(passing.len(), expected.len());
     harness.get_by_label(&expected[0].to_string()).click();
     settle(&mut harness);
     assert_eq!(harness.state().context.selection.ray, Some(expected[0] as usize));
@@ -278,15 +249,8 @@ fn a_cell_that_is_clicked_is_its_rays() {
 /// Every ray is counted once, in the bin of the estimate that two-point-adaptive took.
 #[test]
 fn estimates_are_those_of_the_table() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
-    let estimates = loop {
-        match context.estimates() {
-            Ok(estimates) => break estimates,
-            Err(Absent::Awaited) => assert!(context.finish()),
-            Err(absent) => panic!("{absent}"),
-        };
-    };
+    let (_folder, mut context) = sampled("two-point");
+    let estimates = awaited(&mut context, Context::estimates).unwrap();
     let queue = context.queue().unwrap();
     let table = queue.table.as_ref().unwrap();
     assert_eq!(estimates.counts.iter().sum::<u32>() as usize, queue.len());

@@ -25,18 +25,19 @@ use inspector::analysis::timing::{SpeedupLine, Verdict};
 use inspector::analysis::{GroupWidth, Metric};
 use inspector::app::App;
 use inspector::model::Context;
-use inspector::model::derived::Filtered;
 use inspector::panels::PANELS;
 use inspector::panels::space::options::{CapsuleChoice, SpaceOptions};
 use inspector::render::geometry::{RayEnd, Shape};
 use inspector::render::picture::Stage;
+use serde_json::json;
 
 mod headless;
-#[path = "../../formats/tests/sample/mod.rs"]
-mod sample;
 
-use headless::{State, click, layers, ordered, panel, panel_made, settle, window};
-use sample::QUEUE;
+use headless::sample::{self, QUEUE};
+use headless::{
+    State, click, layers, opened, ordered, panel, panel_made, passing, reads, reads_in_part, sampled,
+    sampled_panel, settle, window, written,
+};
 
 /// What must be read in each panel, with a recording and without.
 const READ: [(&str, &str, &str); 10] = [
@@ -62,9 +63,8 @@ fn every_panel_has_a_test() {
 #[test]
 fn every_panel_shows_a_recording() {
     for (name, text, _) in READ {
-        let folder = tempfile::tempdir().unwrap();
-        let mut harness = panel(name, ordered(sample::write(folder.path()), QUEUE, "two-point"));
-        assert!(harness.query_all_by_label(text).next().is_some(), "{name} does not show {text:?}");
+        let (_folder, mut harness) = sampled_panel(name, "two-point");
+        assert!(reads(&harness, text), "{name} does not show {text:?}");
         let image = harness.render().unwrap();
         let colours: BTreeSet<[u8; 4]> = image.pixels().map(|pixel| pixel.0).collect();
         assert!(colours.len() > 2, "{name} is empty");
@@ -73,31 +73,29 @@ fn every_panel_shows_a_recording() {
 
 #[test]
 fn a_control_that_is_off_is_a_problem() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
+    let (_folder, mut context) = sampled("two-point");
     let verdict = Verdict::NoSignificantDifference;
     let line = |ratio| SpeedupLine { ratio, interval: Some((0.9, 1.4)), verdict, n: 7 };
     context.recordings[0].times.as_mut().unwrap().controls =
         vec![(RayClass::Secondary, line(1.2)), (RayClass::Shadow, line(1.01))];
     let harness = panel("problems", context);
-    assert!(harness.query_all_by_label_contains("the control is off by +20.0 %").next().is_some());
-    assert!(harness.query_all_by_label_contains("of secondary rays it is 1.20").next().is_some());
-    assert!(harness.query_all_by_label_contains("shadow rays").next().is_none(), "1.01 is right");
-    assert!(harness.query_all_by_label("No problems.").next().is_none());
+    assert!(reads_in_part(&harness, "the control is off by +20.0 %"));
+    assert!(reads_in_part(&harness, "of secondary rays it is 1.20"));
+    assert!(!reads_in_part(&harness, "shadow rays"), "1.01 is right");
+    assert!(!reads(&harness, "No problems."));
 }
 
 #[test]
 fn every_panel_says_what_it_lacks() {
     for (name, _, text) in READ {
         let harness = panel(name, Context::default());
-        assert!(harness.query_all_by_label(text).next().is_some(), "{name} does not show {text:?}");
+        assert!(reads(&harness, text), "{name} does not show {text:?}");
     }
 }
 
 #[test]
 fn a_row_that_is_clicked_is_the_ray_in_space() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("rays", ordered(sample::write(folder.path()), QUEUE, "two-point"));
+    let (_folder, mut harness) = sampled_panel("rays", "two-point");
     let order = harness.state_mut().context.awaited_order().unwrap();
     let ray = order.places.ray(5);
     let pixel = order.queue.path_ids[ray];
@@ -114,8 +112,7 @@ fn a_row_that_is_clicked_is_the_ray_in_space() {
 
 #[test]
 fn a_group_that_is_chosen_is_a_capsule_in_space() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("ray", ordered(sample::write(folder.path()), QUEUE, "two-point"));
+    let (_folder, mut harness) = sampled_panel("ray", "two-point");
     harness.get_by_label("worst group").click();
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
@@ -132,8 +129,7 @@ fn a_group_that_is_chosen_is_a_capsule_in_space() {
 
 #[test]
 fn the_ray_panel_says_what_a_path_carries() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
+    let (_folder, mut context) = sampled("two-point");
     context.select_ray(Some(0));
     let mut harness = panel("ray", context);
     settle(&mut harness);
@@ -142,8 +138,7 @@ fn the_ray_panel_says_what_a_path_carries() {
     harness.get_by_label("1.000 0.500 1.000");
 
     // What cannot be read is said, not taken for what was not kept.
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
+    let (_folder, mut context) = sampled("two-point");
     context.select_ray(Some(0));
     let dump = context.recording().unwrap().dump.clone();
     let queue = QueueId { kind: Kind::Closest, ..context.selection.queue };
@@ -157,8 +152,7 @@ fn the_ray_panel_says_what_a_path_carries() {
 
 #[test]
 fn a_pixel_that_is_clicked_is_a_ray() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("pixels", ordered(sample::write(folder.path()), QUEUE, "two-point"));
+    let (_folder, mut harness) = sampled_panel("pixels", "two-point");
     let at = egui::pos2(300.0, 300.0);
     click(&mut harness, at);
     let context = &mut harness.state_mut().context;
@@ -171,21 +165,13 @@ fn a_pixel_that_is_clicked_is_a_ray() {
 /// Dragging along a chart leaves the rays in that range, in all panels; a click has all of them again.
 #[test]
 fn rays_are_brushed_in_charts() {
-    for (name, quantity, y) in [
-        ("coherence", Quantity::Area, 150.0),
-        ("pixels", Quantity::Length, 556.0),
-        ("length-table", Quantity::Length, 300.0),
+    for (name, state, quantity, y) in [
+        ("coherence", json!({}), Quantity::Area, 150.0),
+        ("pixels", json!({ "colouring": "length" }), Quantity::Length, 556.0),
+        ("length-table", json!({ "view": "estimates" }), Quantity::Length, 300.0),
     ] {
-        let folder = tempfile::tempdir().unwrap();
-        let context = ordered(sample::write(folder.path()), QUEUE, "two-point");
-        let mut harness = panel_made(name, [900.0, 640.0], context, |panel| {
-            let state = match name {
-                "pixels" => serde_json::json!({ "colouring": "length" }),
-                "length-table" => serde_json::json!({ "view": "estimates" }),
-                _ => return,
-            };
-            panel.set_state(state).unwrap();
-        });
+        let (_folder, context) = sampled("two-point");
+        let mut harness = panel_made(name, [900.0, 640.0], context, state);
         let all = harness.state_mut().context.awaited_order().unwrap();
         let filter =
             |harness: &Harness<'_, State>| harness.state().context.selection.filter.text().to_owned();
@@ -207,13 +193,7 @@ fn rays_are_brushed_in_charts() {
         numbers.prepare(quantity);
         let values: Vec<f64> =
             (0..all.len()).map(|place| (quantity.value())(numbers.rays().at(place))).collect();
-        let passing = loop {
-            match context.filtered(&all) {
-                Filtered::Some(passing) => break passing,
-                Filtered::Unknown if context.finish() => {}
-                _ => panic!("{name}: nothing is filtered"),
-            }
-        };
+        let passing = passing(context, &all);
         let expected = |value: &f64| (low..=high).contains(value);
         assert_eq!(passing.len(), values.iter().filter(|value| expected(value)).count(), "{name}: {text}");
         click(&mut harness, egui::pos2(250.0, y));
@@ -224,8 +204,7 @@ fn rays_are_brushed_in_charts() {
 /// The wheel enlarges what is under the pointer, which stays there; a double click shows all again.
 #[test]
 fn pictures_are_enlarged_where_the_pointer_is() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("pixels", ordered(sample::write(folder.path()), QUEUE, "two-point"));
+    let (_folder, mut harness) = sampled_panel("pixels", "two-point");
     let pixel_at = |harness: &mut Harness<'_, State>, at: egui::Pos2| {
         click(harness, at);
         let context = &mut harness.state_mut().context;
@@ -257,8 +236,7 @@ fn pictures_are_enlarged_where_the_pointer_is() {
 /// The table's fill goes on from bounce to bounce, and stops after the last one.
 #[test]
 fn the_fill_of_the_table_is_played_to_its_end() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("length-table", ordered(sample::write(folder.path()), QUEUE, "two-point"));
+    let (_folder, mut harness) = sampled_panel("length-table", "two-point");
     let queues: Vec<QueueId> = {
         let open = harness.state().context.recording().unwrap();
         let mut queues: Vec<_> = open.queues().iter().map(|record| record.id).collect();
@@ -291,9 +269,7 @@ fn imported_rays_are_shown_in_rows() {
     (header.options.width, header.options.height) = (20_000, 1);
     let mut writer = DumpWriter::create(&folder.path().join("imported"), header, false).unwrap();
     let end = sample::write_all(&mut writer).unwrap();
-    let mut context = Context::open(&[writer.finish(end).unwrap()]);
-    context.go_to(QUEUE);
-    let mut harness = panel("pixels", context);
+    let mut harness = panel("pixels", opened(writer.finish(end).unwrap(), QUEUE));
     harness.render().unwrap();
     // The sample's rays are in the first two of 142 rows.
     let corner = harness.get_by_label("displacement").rect().min;
@@ -305,8 +281,8 @@ fn imported_rays_are_shown_in_rows() {
 /// Camera rays start in one place: their curve is that of what they hit.
 #[test]
 fn the_curve_of_camera_rays_goes_through_what_they_hit() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QueueId { bounce: 0, ..QUEUE }, "two-point");
+    let (_folder, dump) = written();
+    let mut context = ordered(dump, QueueId { bounce: 0, ..QUEUE }, "two-point");
     let [by_default, through_hits] = [RayEnd::Origin, RayEnd::Termination].map(|curve_end| {
         let drawn = layers(&mut context, &SpaceOptions { curve_end, jumps: 0, ..SpaceOptions::default() });
         let Shape::Strip(curve) = drawn[0].geometry.shape() else { panic!("no curve") };
@@ -318,8 +294,7 @@ fn the_curve_of_camera_rays_goes_through_what_they_hit() {
 /// Curve, rays and capsules against the recording read without the window.
 #[test]
 fn vertices_are_those_of_the_analysis() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
+    let (_folder, mut context) = sampled("two-point");
     let dump = Dump::open(context.recording().unwrap().dump.root()).unwrap();
     let traced = Traced::open(&dump, QUEUE).unwrap();
     let place = Place::Method(QUEUE, "two-point".to_owned(), MethodArray::Permutation);
@@ -367,8 +342,7 @@ fn vertices_are_those_of_the_analysis() {
 
 #[test]
 fn what_is_no_recording_is_said_and_survived() {
-    let folder = tempfile::tempdir().unwrap();
-    let good = sample::write(folder.path());
+    let (folder, good) = written();
     let bad = folder.path().join("bad.raydump");
     std::fs::create_dir(&bad).unwrap();
     std::fs::write(bad.join("manifest.bin"), b"not a manifest").unwrap();
@@ -378,31 +352,27 @@ fn what_is_no_recording_is_said_and_survived() {
     let app = harness.state();
     assert_eq!((app.context.recordings.len(), app.context.problems.len()), (1, 2));
     let text = &app.context.problems[1].what;
-    assert!(harness.query_all_by_label(text).next().is_some(), "{text} is not shown");
+    assert!(reads(&harness, text), "{text} is not shown");
 }
 
 #[test]
 fn arrays_that_are_missing_are_said_in_their_place() {
-    let folder = tempfile::tempdir().unwrap();
-    let context = ordered(sample::write(folder.path()), QUEUE, "two-point");
+    let (_folder, context) = sampled("two-point");
     let root = context.recording().unwrap().dump.root().to_owned();
     let hits = root.join(QUEUE.to_string()).join("hits.npy");
     std::fs::remove_file(&hits).unwrap();
     for name in ["scene", "pixels", "coherence", "rays", "ray", "length-table"] {
-        let mut context = Context::open(std::slice::from_ref(&root));
-        context.go_to(QUEUE);
+        let mut context = opened(root.clone(), QUEUE);
         let reason = context.awaited_order().unwrap_err();
         assert!(reason.contains("hits.npy"), "{reason}");
         let mut harness = panel(name, context);
         harness.render().unwrap();
         if name != "scene" {
-            assert!(harness.query_all_by_label(&reason).next().is_some(), "{name} does not say why");
+            assert!(reads(&harness, &reason), "{name} does not say why");
         }
     }
     // What is not awaited is not waited for.
-    let mut context = Context::open(std::slice::from_ref(&root));
-    context.go_to(QUEUE);
-    let mut harness = panel("methods", context);
+    let mut harness = panel("methods", opened(root, QUEUE));
     let ranking = harness.state_mut().context.ranking(1);
     for order in ranking.into_iter().filter(|order| order.elsewhere.is_none()) {
         let why = order.area.as_ref().and_then(Metric::reason);
@@ -413,8 +383,7 @@ fn arrays_that_are_missing_are_said_in_their_place() {
 /// What is read before there is a window is what panels show then, read once.
 #[test]
 fn what_is_read_ahead_is_there_when_it_is_asked_for() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
+    let (_folder, mut context) = sampled("two-point");
     context.read_ahead();
     context.finish();
     let (queue, order) = (context.queue().unwrap(), context.order().unwrap());
@@ -429,8 +398,7 @@ fn what_is_read_ahead_is_there_when_it_is_asked_for() {
 /// Areas wait until everything else was drawn, however often they are asked for in a frame.
 #[test]
 fn areas_are_found_after_a_picture_without_them() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
+    let (_folder, mut context) = sampled("two-point");
     context.read_ahead();
     context.finish();
     let waker = context.waker().clone();

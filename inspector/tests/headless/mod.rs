@@ -3,18 +3,31 @@
 #![allow(dead_code, reason = "each test program uses a part")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+#[path = "../on_disk/mod.rs"]
+mod on_disk;
+
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use egui_kittest::wgpu::WgpuTestRenderer;
 use formats::manifest::QueueId;
 use inspector::app::App;
-use inspector::model::{Absent, Context};
+use inspector::filter::Passing;
+use inspector::model::derived::Filtered;
+use inspector::model::what_if::Settings;
+use inspector::model::{Absent, Context, Order};
 use inspector::panels::space::layers::Layers;
 use inspector::panels::space::options::SpaceOptions;
 use inspector::panels::{PANELS, Panel};
 use inspector::render::picture::Layer;
 use inspector::theme::Theme;
+use serde_json::Value;
+use tempfile::TempDir;
+
+pub(crate) use on_disk::{sample, written};
+use sample::QUEUE;
 
 /// Frames in which nothing is made any more: what is seen now stays.
 const STILL_FRAMES: usize = 4;
@@ -39,6 +52,45 @@ pub(crate) fn ordered(dump: PathBuf, queue: QueueId, method: &str) -> Context {
     context
 }
 
+/// The sample, in this order.
+pub(crate) fn sampled(method: &str) -> (TempDir, Context) {
+    let (folder, dump) = written();
+    (folder, ordered(dump, QUEUE, method))
+}
+
+/// A panel of the sample in this order.
+pub(crate) fn sampled_panel(name: &str, method: &str) -> (TempDir, Harness<'static, State>) {
+    let (folder, context) = sampled(method);
+    (folder, panel(name, context))
+}
+
+/// What another thread makes, once it is made.
+pub(crate) fn awaited<T>(
+    context: &mut Context,
+    ask: impl Fn(&mut Context) -> Result<T, Absent>,
+) -> Result<T, Absent> {
+    loop {
+        match ask(context) {
+            Err(Absent::Awaited) => context.finish(),
+            found => return found,
+        };
+    }
+}
+
+/// What-if settings of a method that is built in.
+pub(crate) fn builtin(context: &Context, method: &str) -> Settings {
+    Settings::builtin(method, &context.recording().unwrap().dump.manifest().header).unwrap()
+}
+
+/// The places of an order that pass the filter there is.
+pub(crate) fn passing(context: &mut Context, order: &Arc<Order>) -> Arc<Passing> {
+    let found = awaited(context, |context| match context.filtered(order) {
+        Filtered::Unknown => Err(Absent::Awaited),
+        filtered => Ok(filtered),
+    });
+    found.unwrap().passing().expect("there is a filter")
+}
+
 /// A renderer and the format that it draws in.
 pub(crate) fn renderer() -> (WgpuTestRenderer, wgpu::TextureFormat) {
     let setup = egui_kittest::wgpu::default_wgpu_setup();
@@ -49,20 +101,26 @@ pub(crate) fn renderer() -> (WgpuTestRenderer, wgpu::TextureFormat) {
 
 /// A panel of 900 by 640 points.
 pub(crate) fn panel(name: &str, context: Context) -> Harness<'static, State> {
-    panel_made(name, [900.0, 640.0], context, |_| {})
+    panel_made(name, [900.0, 640.0], context, Value::Null)
 }
 
-/// A panel of this size, changed before it is first drawn.
+/// A panel of this size, with this of its state changed.
 pub(crate) fn panel_made(
     name: &str,
     size: [f32; 2],
     context: Context,
-    change: impl FnOnce(&mut dyn Panel),
+    changed: Value,
 ) -> Harness<'static, State> {
     let (renderer, format) = renderer();
     let entry = PANELS.iter().find(|entry| entry.name == name).unwrap();
     let mut panel = (entry.make)(&format.into());
-    change(panel.as_mut());
+    if let Value::Object(changed) = changed {
+        let mut state = panel.state();
+        for (name, value) in changed {
+            state[name] = value;
+        }
+        panel.set_state(state).unwrap();
+    }
     let mut harness =
         Harness::builder().with_size(size).with_accessibility_check(false).renderer(renderer).build_ui_state(
             |ui, state: &mut State| state.panel.show(ui, &mut state.context),
@@ -100,6 +158,16 @@ impl Drawn for App {
     fn context(&mut self) -> &mut Context {
         &mut self.context
     }
+}
+
+/// Whether this is on the screen.
+pub(crate) fn reads<S>(harness: &Harness<'_, S>, text: &str) -> bool {
+    harness.query_all_by_label(text).next().is_some()
+}
+
+/// Whether something with this in it is on the screen.
+pub(crate) fn reads_in_part<S>(harness: &Harness<'_, S>, text: &str) -> bool {
+    harness.query_all_by_label_contains(text).next().is_some()
 }
 
 /// Draws until nothing is being read or made.
