@@ -2,14 +2,16 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use formats::key::method::AUTO;
 use formats::manifest::Record;
+use serde_json::Value;
 
-#[path = "../../formats/tests/sample/mod.rs"]
-mod sample;
+mod on_disk;
+
+use on_disk::{sample, written};
 
 fn inspector(arguments: &[&str], dump: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_inspector"));
@@ -21,10 +23,60 @@ fn text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
+/// A shot of a recording into a file beside it.
+fn shot(dump: &Path, arguments: &[&str]) -> Output {
+    inspector(&["shot"], dump)
+        .arg("--out")
+        .arg(dump.with_file_name("x.png"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// The picture that it is, and what is printed.
+fn drawn_and_said(dump: &Path, arguments: &[&str]) -> (Vec<u8>, Vec<u8>) {
+    let output = shot(dump, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output));
+    let out = dump.with_file_name("x.png");
+    let picture = std::fs::read(&out).unwrap();
+    std::fs::remove_file(out).unwrap();
+    (picture, output.stdout)
+}
+
+fn drawn(dump: &Path, arguments: &[&str]) -> Vec<u8> {
+    drawn_and_said(dump, arguments).0
+}
+
+/// The picture, and what was drawn for it.
+fn counted(dump: &Path, arguments: &[&str]) -> (Vec<u8>, Value) {
+    let (picture, said) = drawn_and_said(dump, &[arguments, &["--json"]].concat());
+    (picture, serde_json::from_slice(&said).unwrap())
+}
+
+fn assert_refused(dump: &Path, arguments: &[&str], code: i32, expected: &str) {
+    let output = shot(dump, arguments);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}");
+    assert!(text(&output).contains(expected), "{arguments:?}: {}", text(&output));
+}
+
+/// A session of the sample beside it, as programs before wrote them.
+fn session(dump: &Path, [method, ray, theme, panels]: [&str; 4]) -> PathBuf {
+    let selection = format!(
+        r#""recording": 0, "pass": 1, "bounce": 1, "kind": "closest", "method": "{method}",
+            "group_width": "64", "ray": {ray}, "group": null, "cell": null"#
+    );
+    let text = format!(
+        r#"{{ "version": 1, "recordings": ["sample.raydump"], "selection": {{ {selection} }},
+            "theme": "{theme}", "layout": null, "panels": {{ {panels} }} }}"#
+    );
+    let file = dump.with_file_name("view.json");
+    std::fs::write(&file, text).unwrap();
+    file
+}
+
 #[test]
 fn every_view_is_a_picture_and_the_same_each_time() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (_folder, dump) = written();
     for view in [
         "window",
         "order",
@@ -42,46 +94,29 @@ fn every_view_is_a_picture_and_the_same_each_time() {
         "rays-table",
         "ray",
     ] {
-        let shot = |name: &str| {
-            let file = folder.path().join(name);
-            let out = file.to_str().unwrap();
-            let arguments =
-                ["shot", "--view", view, "--method", "aila", "--ray", "3", "--size", "640x400", "--out", out];
-            let output = inspector(&arguments, &dump).output().unwrap();
-            assert!(output.status.success(), "{view}: {}", text(&output));
-            std::fs::read(file).unwrap()
-        };
-        let picture = shot("a.png");
+        let arguments = ["--view", view, "--method", "aila", "--ray", "3", "--size", "640x400"];
+        let picture = drawn(&dump, &arguments);
         let info = png::Decoder::new(picture.as_slice()).read_info().unwrap();
         assert_eq!((info.info().width, info.info().height), (640, 400));
-        assert!(picture == shot("b.png"), "{view} differs from one run to the next");
+        assert!(picture == drawn(&dump, &arguments), "{view} differs from one run to the next");
     }
 }
 
 /// A layout that was recorded gives the rays in the order that was recorded.
 #[test]
 fn an_order_that_is_made_is_drawn_like_a_recorded_one() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
-    let shot = |option: &str, value: &str| {
-        let file = folder.path().join("x.png");
-        let out = file.to_str().unwrap();
-        let arguments =
-            ["shot", "--view", "rays", option, value, "--ray", "3", "--size", "640x400", "--out", out];
-        let output = inspector(&arguments, &dump).output().unwrap();
-        assert!(output.status.success(), "{option} {value}: {}", text(&output));
-        std::fs::read(file).unwrap()
+    let (_folder, dump) = written();
+    let by = |option: &str, value: &str| {
+        drawn(&dump, &["--view", "rays", option, value, "--ray", "3", "--size", "640x400"])
     };
-    let recorded = shot("--method", "mine");
-    assert!(shot("--what-if", "(u v)*3 (ox oy oz ex ey ez)*5") == recorded);
-    assert!(shot("--what-if", "origin") != recorded);
+    let recorded = by("--method", "mine");
+    assert!(by("--what-if", "(u v)*3 (ox oy oz ex ey ez)*5") == recorded);
+    assert!(by("--what-if", "origin") != recorded);
 }
 
 #[test]
 fn what_a_recording_does_not_have_is_said() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
-    let out = folder.path().join("x.png");
+    let (_folder, dump) = written();
     for (option, value, expected) in [
         ("--bounce", "9", "bounce-09"),
         ("--method", "nope", "nope"),
@@ -91,28 +126,16 @@ fn what_a_recording_does_not_have_is_said() {
         ("--what-if", "light-octahedron", "only shadow rays have"),
         ("--filter", "bounse == 1", "did you mean 'bounce'?"),
     ] {
-        let output =
-            inspector(&["shot", option, value, "--out", out.to_str().unwrap()], &dump).output().unwrap();
-        assert_eq!(output.status.code(), Some(1), "{option} {value}");
-        assert!(text(&output).contains(expected), "{option} {value}: {}", text(&output));
+        assert_refused(&dump, &[option, value], 1, expected);
     }
-    let output = inspector(&["shot", "--size", "5x5", "--out", "x.png"], &dump).output().unwrap();
-    assert_eq!(output.status.code(), Some(2));
+    assert_refused(&dump, &["--size", "5x5"], 2, "");
 }
 
 /// A camera as numbers and settings by name change the picture; draws are counted.
 #[test]
 fn what_is_drawn_is_set_and_counted() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
-    let out = folder.path().join("x.png");
-    let draw = |more: &[&str]| {
-        let usual = ["shot", "--view", "rays", "--size", "320x240", "--json", "--out", out.to_str().unwrap()];
-        let output = inspector(&[&usual[..], more].concat(), &dump).output().unwrap();
-        assert!(output.status.success(), "{more:?}: {}", text(&output));
-        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        (std::fs::read(&out).unwrap(), report)
-    };
+    let (_folder, dump) = written();
+    let draw = |more: &[&str]| counted(&dump, &[&["--view", "rays", "--size", "320x240"], more].concat());
     let (usual, report) = draw(&[]);
     // Surfaces; rays and their marks, hidden and seen.
     let (draws, shown) = (&report["draws"], report["rays_shown"][0].as_u64().unwrap());
@@ -141,45 +164,31 @@ fn what_is_drawn_is_set_and_counted() {
         (["--set", "colour_by=key:no"], 1, "ox, oy"),
         (["--recording", "7"], 1, "no recording 7"),
     ] {
-        let view = ["shot", "--view", "order", "--out", out.to_str().unwrap()];
-        let output = inspector(&[&view[..], &more].concat(), &dump).output().unwrap();
-        assert_eq!(output.status.code(), Some(code), "{more:?}");
-        assert!(text(&output).contains(expected), "{more:?}: {}", text(&output));
+        assert_refused(&dump, &[&["--view", "order"][..], &more].concat(), code, expected);
     }
 }
 
 /// Two views have their lines each, and the surfaces once: 11 corners, each with a colour, and 11 triangles.
 #[test]
 fn views_share_the_surfaces() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
-    let uploaded = |more: &[&str]| {
-        let out = folder.path().join("x.png");
-        let arguments =
-            ["shot", "--json", "--view", "order", "--set", "mesh=ghost", "--size", "640x400", "--out"];
-        let output = inspector(&arguments, &dump).arg(out).args(more).output().unwrap();
-        assert!(output.status.success(), "{more:?}: {}", text(&output));
-        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let (_folder, dump) = written();
+    let uploaded = |both: &str| {
+        let arguments = ["--view", "order", "--set", "mesh=ghost", "--size", "640x400", "--set", both];
+        let (_, report) = counted(&dump, &arguments);
         report["draws"]["uploaded_bytes"].as_u64().unwrap()
     };
     let mesh = (16 * sample::positions().len() + 12 * sample::TRIANGLES.len()) as u64;
-    let of_a_and_b = |both: &str| uploaded(&["--set", both]);
-    assert_eq!(2 * of_a_and_b("side_by_side=false") - of_a_and_b("side_by_side=true"), mesh);
+    assert_eq!(2 * uploaded("side_by_side=false") - uploaded("side_by_side=true"), mesh);
 }
 
 /// What panels show besides the selection is set by name.
 #[test]
 fn settings_of_panels_change_their_pictures() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
-    let out = folder.path().join("x.png");
+    let (_folder, dump) = written();
     let draw = |view: &str, settings: &[&str]| {
-        let usual = ["shot", "--view", view, "--method", "two-point", "--size", "640x480"];
+        let usual = ["--view", view, "--method", "two-point", "--size", "640x480"];
         let settings: Vec<&str> = settings.iter().flat_map(|setting| ["--set", *setting]).collect();
-        let arguments = [&usual[..], &settings, &["--out", out.to_str().unwrap()]].concat();
-        let output = inspector(&arguments, &dump).output().unwrap();
-        assert!(output.status.success(), "{view} {settings:?}: {}", text(&output));
-        std::fs::read(&out).unwrap()
+        drawn(&dump, &[&usual[..], &settings].concat())
     };
     for (view, settings) in [
         ("length-table", &["view=count"][..]),
@@ -197,10 +206,7 @@ fn settings_of_panels_change_their_pictures() {
         ("rays-table", "columns=[]", "at least one column"),
         ("rays-table", "sorted_by=lenght", "`length`"),
     ] {
-        let arguments = ["shot", "--view", view, "--set", setting, "--out", out.to_str().unwrap()];
-        let output = inspector(&arguments, &dump).output().unwrap();
-        assert_eq!(output.status.code(), Some(1), "{setting}");
-        assert!(text(&output).contains(expected), "{setting}: {}", text(&output));
+        assert_refused(&dump, &["--view", view, "--set", setting], 1, expected);
     }
 }
 
@@ -208,20 +214,12 @@ fn settings_of_panels_change_their_pictures() {
 /// same of another recording.
 #[test]
 fn a_session_is_drawn_with_changes_and_of_another_recording() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     let other = folder.path().join("other.raydump");
     std::fs::rename(&dump, &other).unwrap();
     let dump = sample::write(folder.path());
-    let file = folder.path().join("view.json");
-    let selection = r#""recording": 0, "pass": 1, "bounce": 1, "kind": "closest", "method": "aila",
-        "group_width": "64", "ray": 3, "group": null, "cell": null"#;
-    let session = format!(
-        r#"{{ "version": 1, "recordings": ["sample.raydump"], "selection": {{ {selection} }}, "theme": "light",
-            "layout": null,
-            "panels": {{ "scene": {{ "options": {{ "rays": true, "colour_by": "estimate" }}, "camera": null }} }} }}"#
-    );
-    std::fs::write(&file, session).unwrap();
+    let scene = r#""scene": { "options": { "rays": true, "colour_by": "estimate" }, "camera": null }"#;
+    let file = session(&dump, ["aila", "3", "light", scene]);
     let out = folder.path().join("x.png");
     let draw = |dump: Option<&Path>, more: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_inspector"));
@@ -246,26 +244,16 @@ fn a_session_is_drawn_with_changes_and_of_another_recording() {
 /// Order B is the best of the queue that is asked for, but for what a session chose.
 #[test]
 fn b_follows_the_queue_unless_it_was_chosen() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (_folder, dump) = written();
     sample::edit_records(&dump, |record| {
         if let Record::Queue(queue) = record {
             queue.methods.retain(|method| method != "mine" && method != AUTO);
         }
     });
-    let (out, file) = (folder.path().join("x.png"), folder.path().join("view.json"));
-    let selection = r#""recording": 0, "pass": 1, "bounce": 1, "kind": "closest",
-        "method": "two-point-adaptive", "group_width": "64", "ray": null, "group": null, "cell": null"#;
-    let session = format!(
-        r#"{{ "version": 1, "recordings": ["sample.raydump"], "selection": {{ {selection} }}, "theme": "dark",
-            "layout": null, "panels": {{}} }}"#
-    );
-    std::fs::write(&file, session).unwrap();
+    let file = session(&dump, ["two-point-adaptive", "null", "dark", ""]);
     let shadow = |more: &[&str]| {
-        let usual = ["shot", "--view", "order", "--kind", "shadow", "--theme", "dark", "--size", "320x240"];
-        let output = inspector(&usual, &dump).arg("--out").arg(&out).args(more).output().unwrap();
-        assert!(output.status.success(), "{more:?}: {}", text(&output));
-        std::fs::read(&out).unwrap()
+        let usual = ["--view", "order", "--kind", "shadow", "--theme", "dark", "--size", "320x240"];
+        drawn(&dump, &[&usual[..], more].concat())
     };
     let [best, chosen] =
         ["light-octahedron", "two-point-adaptive"].map(|method| shadow(&["--method", method]));
@@ -276,35 +264,28 @@ fn b_follows_the_queue_unless_it_was_chosen() {
 
 #[test]
 fn a_film_is_a_picture_for_each_step() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
-    let picture = |name: &str, more: &[&str]| {
-        let out = folder.path().join(format!("{name}.png"));
-        let usual = ["shot", "--view", "rays", "--size", "320x240", "--out", out.to_str().unwrap()];
-        let output = inspector(&[&usual[..], more].concat(), &dump).output().unwrap();
-        assert!(output.status.success(), "{more:?}: {}", text(&output));
-    };
-    let read = |name: &str| std::fs::read(folder.path().join(format!("{name}.png"))).unwrap();
-    for film in ["scrub", "orbit"] {
-        picture(film, &["--film", film, "--frames", "4"]);
-        let frames: Vec<_> = (0..4).map(|frame| read(&format!("{film}-{frame:04}"))).collect();
+    let (folder, dump) = written();
+    let usual = ["--view", "rays", "--size", "320x240"];
+    for (film, still, still_at) in [("scrub", &["--set", "until=0.5"][..], 1), ("orbit", &[], 0)] {
+        let output = shot(&dump, &[&usual[..], &["--film", film, "--frames", "4"]].concat());
+        assert!(output.status.success(), "{film}: {}", text(&output));
+        let read = |frame| std::fs::read(folder.path().join(format!("x-{frame:04}.png"))).unwrap();
+        let frames: Vec<_> = (0..4).map(read).collect();
         assert!(frames.windows(2).all(|pair| pair[0] != pair[1]), "{film} stands still");
-        assert!(!folder.path().join(format!("{film}-0004.png")).exists());
-        picture("still", if film == "scrub" { &["--set", "until=0.5"] } else { &[] });
-        assert!(frames[if film == "scrub" { 1 } else { 0 }] == read("still"), "{film} is of something else");
+        assert!(!folder.path().join("x-0004.png").exists());
+        assert!(
+            frames[still_at] == drawn(&dump, &[&usual[..], still].concat()),
+            "{film} is of something else"
+        );
     }
-    let out = folder.path().join("no.png");
-    let arguments = ["shot", "--view", "timings", "--film", "orbit", "--out", out.to_str().unwrap()];
-    let output = inspector(&arguments, &dump).output().unwrap();
-    assert!(text(&output).contains("a film is of the scene"), "{}", text(&output));
+    assert_refused(&dump, &["--view", "timings", "--film", "orbit"], 1, "a film is of the scene");
 }
 
 /// With all Vulkan drivers hidden, only what draws in a window fails, and says why.
 #[cfg(target_os = "linux")]
 #[test]
 fn commands_without_pictures_need_no_gpu() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     let out = folder.path().join("out");
     let out = out.to_str().unwrap();
     let hidden = |arguments: &[&str]| {
