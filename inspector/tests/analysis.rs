@@ -107,7 +107,7 @@ fn speedups_rates_and_bandwidths_follow_from_the_samples() {
         };
         median(&dump.manifest().timings.iter().find(of).unwrap().samples_ns).unwrap()
     };
-    let own = |method: &str| queue.orders.iter().find(|order| order.method == method).unwrap();
+    let own = |method: &str| queue.order(method).unwrap();
     let trace = own("aila").trace_speedup.known().unwrap();
     assert_close(trace.ratio, samples("unsorted", Stage::Trace) / samples("aila", Stage::Trace), "trace");
     assert_eq!(trace.verdict, Verdict::Faster);
@@ -168,7 +168,7 @@ fn a_replay_is_analysed_with_the_arrays_of_its_source() {
     let aila = |recording: usize| {
         let queue =
             analysis.recordings[recording].measured().rfind(|queue| queue.kind == Kind::Closest).unwrap();
-        queue.orders.iter().find(|order| order.method == "aila").unwrap()
+        queue.order("aila").unwrap()
     };
     assert_eq!(aila(1).coherence, aila(0).coherence);
     assert_eq!((&aila(2).coherence, &aila(1).lanes), (&aila(0).coherence, &aila(0).lanes));
@@ -191,7 +191,7 @@ fn a_broken_permutation_is_a_reason() {
         std::fs::write(&file, [before, last].concat()).unwrap();
         let analysis = analysed(&[Dump::open(&path).unwrap()], GroupWidth::Rays64, 1);
         let queue = analysis.recordings[0].measured().next().unwrap();
-        let aila = queue.orders.iter().find(|order| order.method == "aila").unwrap();
+        let aila = queue.order("aila").unwrap();
         let reason = aila.coherence.reason().unwrap_or_default();
         assert!(reason.contains(part) && reason.is_empty() == part.is_empty(), "{:?}", aila.coherence);
     }

@@ -1,8 +1,7 @@
 //! What `export` writes is what the recording holds, and its geometry is where the rays are.
 #![allow(clippy::unwrap_used, reason = "this is test code, although not in test functions")]
 
-#[path = "../../formats/tests/sample/mod.rs"]
-mod sample;
+mod on_disk;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,7 +10,8 @@ use std::process::{Command, Output};
 use formats::manifest::{MethodArray, Place, QueueArray};
 use formats::ray::{Hit, Ray};
 use formats::reader::Dump;
-use sample::QUEUE;
+use on_disk::sample::QUEUE;
+use on_disk::written;
 
 fn inspector(arguments: &[&str], paths: &[&Path]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_inspector")).args(arguments).args(paths).output().unwrap()
@@ -59,8 +59,7 @@ fn read_ply(path: &Path) -> (Vec<Vertex>, usize) {
 
 #[test]
 fn csv_has_each_ray_in_the_order_of_the_method() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (_folder, path) = written();
     let dump = Dump::open(&path).unwrap();
     let method = &dump.manifest().methods[0].name;
     let out = export(&path, &["--format", "csv", "--method", method]);
@@ -85,8 +84,7 @@ fn csv_has_each_ray_in_the_order_of_the_method() {
 
 #[test]
 fn ply_has_rays_hits_curve_and_capsules() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (_folder, path) = written();
     let dump = Dump::open(&path).unwrap();
     let out = export(&path, &["--format", "ply"]);
     let read = |what: &str| read_ply(&out.join(format!("pass-001-bounce-01-closest-unsorted-{what}.ply")));
@@ -125,8 +123,7 @@ fn ply_has_rays_hits_curve_and_capsules() {
 /// Against the path indices of all queues of the pass, and the rays there.
 #[test]
 fn paths_are_the_rays_of_all_bounces_of_the_same_pixels() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (_folder, path) = written();
     let dump = Dump::open(&path).unwrap();
     let out = export(&path, &["--format", "ply", "--group", "1"]);
     let (vertices, edges) = read_ply(&out.join("pass-001-bounce-01-closest-unsorted-group-1-paths.ply"));
@@ -148,8 +145,7 @@ fn paths_are_the_rays_of_all_bounces_of_the_same_pixels() {
 
 #[test]
 fn one_group_is_one_group() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (_folder, path) = written();
     let out = export(&path, &["--format", "csv", "--kind", "shadow", "--group", "1", "--group-width", "32"]);
     let text = fs::read_to_string(out.join("pass-001-bounce-01-shadow-unsorted-group-1.csv")).unwrap();
     let lines: Vec<&str> = text.lines().collect();
@@ -159,8 +155,7 @@ fn one_group_is_one_group() {
 
 #[test]
 fn what_is_not_there_is_one_sentence() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (folder, path) = written();
     let blocked = folder.path().join("file");
     fs::write(&blocked, "no folder").unwrap();
     let out = folder.path().join("out");
@@ -181,8 +176,7 @@ fn what_is_not_there_is_one_sentence() {
 
 #[test]
 fn a_filter_leaves_the_rays_that_meet_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (folder, path) = written();
     let filter = "t < 1.5 && direction.x > 0";
     let out = export(&path, &["--format", "csv", "--method", "aila", "--filter", filter]);
     let all = export(&path, &["--format", "csv", "--method", "aila"]);

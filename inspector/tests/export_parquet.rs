@@ -1,8 +1,7 @@
 //! What `export --format parquet` writes is what the recording holds, complete or not at all.
 #![allow(clippy::unwrap_used, reason = "this is test code, although not in test functions")]
 
-#[path = "../../formats/tests/sample/mod.rs"]
-mod sample;
+mod on_disk;
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -14,9 +13,10 @@ use formats::ray::{Hit, Kind, Ray, Work};
 use formats::reader::Dump;
 use formats::study::{JOB_VERSION, JobRecord};
 use formats::writer::DumpWriter;
+use on_disk::sample::{self, QUEUE};
+use on_disk::written;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::{Field, Row};
-use sample::QUEUE;
 
 fn export(input: &Path, out: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_inspector"));
@@ -72,8 +72,7 @@ fn file_of(out: &Path, queue: QueueId, method: &str) -> PathBuf {
 
 #[test]
 fn rows_are_the_arrays_in_the_order_of_the_method() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (folder, path) = written();
     let out = folder.path().join("out");
     let written = exported(&path, &out, &[]);
     let dump = Dump::open(&path).unwrap();
@@ -137,8 +136,7 @@ fn rows_are_the_arrays_in_the_order_of_the_method() {
 
 #[test]
 fn every_sample_and_every_order_is_a_row() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (folder, path) = written();
     let out = folder.path().join("out");
     exported(&path, &out, &["--kind", "shadow", "--method", "aila"]);
     assert!(ray_files(&out).iter().all(|path| !path.to_str().unwrap().contains("kind=closest")));
@@ -167,8 +165,7 @@ fn every_sample_and_every_order_is_a_row() {
 
 #[test]
 fn summaries_are_the_same_whatever_rays_are_written() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (folder, path) = written();
     let summaries = |name: &str, arguments: &[&str]| {
         let out = folder.path().join(name);
         exported(&path, &out, arguments);
@@ -185,8 +182,7 @@ fn summaries_are_the_same_whatever_rays_are_written() {
 
 #[test]
 fn files_have_units_and_row_groups_of_whole_groups() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (folder, path) = written();
     let out = folder.path().join("out");
     exported(&path, &out, &[]);
     for (file, unit, expected) in [
@@ -209,8 +205,7 @@ fn files_have_units_and_row_groups_of_whole_groups() {
 
 #[test]
 fn exports_are_replaced_only_with_force_and_nothing_else_is() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (folder, path) = written();
     let out = folder.path().join("a/b/out");
     exported(&path, &out, &["--method", "aila"]);
     let files = ray_files(&out).len();
@@ -234,8 +229,7 @@ fn exports_are_replaced_only_with_force_and_nothing_else_is() {
 
 #[test]
 fn nothing_is_written_into_a_recording() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (folder, path) = written();
     let before = fs::read_dir(&path).unwrap().count();
     for out in [path.clone(), path.join("out"), path.join("pass-001/a/b")] {
         is_refused(&export(&path, &out, &["--force"]), "lies in the recording");

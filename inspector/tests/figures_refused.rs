@@ -11,8 +11,9 @@ use formats::manifest::{End, MethodArray, Outcome, Place, QueueRecord, Record, S
 use formats::reader::Dump;
 use formats::writer::DumpWriter;
 
-#[path = "../../formats/tests/sample/mod.rs"]
-mod sample;
+mod on_disk;
+
+use on_disk::{sample, written};
 
 /// Exit code, standard output and standard error of `inspector`.
 fn run(command: &str, input: &Path, out: &Path, options: &[&str]) -> (i32, String, String) {
@@ -97,8 +98,7 @@ fn what_is_no_finished_recording_is_refused() {
 /// The rest is done, what was left out is said, and the exit code is that of a failure.
 #[test]
 fn one_bad_input_does_not_stop_the_others() {
-    let folder = tempfile::tempdir().unwrap();
-    let recording = sample::write(folder.path());
+    let (folder, recording) = written();
     let bad = folder.path().join("bad.raydump");
     fs::create_dir(&bad).unwrap();
     fs::write(bad.join("manifest.bin"), "").unwrap();
@@ -131,8 +131,7 @@ fn json_that_is_no_benchmark_is_refused() {
 
 #[test]
 fn a_folder_that_cannot_be_made_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let recording = sample::write(folder.path());
+    let (folder, recording) = written();
     let file = folder.path().join("file");
     fs::write(&file, "no folder").unwrap();
     assert_refused(&recording, &file.join("out"), &["cannot write", "name another folder with --out"]);
@@ -157,8 +156,7 @@ fn assert_left_out(recording: &Path, out: &Path, figure: &str, parts: &[&str]) {
 
 #[test]
 fn recordings_without_arrays_give_the_other_figures() {
-    let folder = tempfile::tempdir().unwrap();
-    let recording = sample::write(folder.path());
+    let (folder, recording) = written();
     let out = folder.path().join("out");
     remove_all(&recording, "keys.npy");
     let (code, said, error) = run("plot", &recording, &out, &["--figure", "capsule-area"]);
@@ -173,8 +171,7 @@ fn recordings_without_arrays_give_the_other_figures() {
 /// Figures of a damaged recording say what they are without, and so does the terminal.
 #[test]
 fn what_is_damaged_is_named_in_captions() {
-    let folder = tempfile::tempdir().unwrap();
-    let recording = sample::write(folder.path());
+    let (folder, recording) = written();
     let out = folder.path().join("out");
     let caption = |figure: &str| {
         let (code, said, error) = run("plot", &recording, &out, &["--figure", figure]);
@@ -225,8 +222,7 @@ fn replay(folder: &Path, source: &Path) -> PathBuf {
 
 #[test]
 fn a_replay_without_its_source_says_where_it_is_looked_for() {
-    let folder = tempfile::tempdir().unwrap();
-    let source = sample::write(folder.path());
+    let (folder, source) = written();
     let replay = replay(folder.path(), &source);
     fs::rename(&source, folder.path().join("elsewhere.raydump")).unwrap();
     let (code, said, error) = run("plot", &replay, &folder.path().join("out"), &[]);

@@ -9,8 +9,9 @@ use std::process::{Command, Stdio};
 use formats::manifest::{Header, Record, Source};
 use formats::reader::Dump;
 
-#[path = "../../formats/tests/sample/mod.rs"]
-mod sample;
+mod on_disk;
+
+use on_disk::{sample, written};
 
 /// Erases a screen, turns text around, steers a terminal by one byte.
 const STEERING: &str = "box\x1b[2J\u{202e}\u{9b}31m\u{2066}";
@@ -86,8 +87,7 @@ fn info_says_whose_rays_they_are() {
 
 #[test]
 fn every_error_is_said_once() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     let (dump, out) = (dump.to_str().unwrap(), folder.path().join("out"));
     let out = out.to_str().unwrap();
     let full = if cfg!(target_os = "linux") { "/dev/full" } else { "no/such/folder" };
@@ -111,8 +111,7 @@ fn every_error_is_said_once() {
 #[cfg(target_os = "linux")]
 #[test]
 fn full_outputs_are_errors_and_never_panics() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     let (dump, out) = (dump.to_str().unwrap(), folder.path().join("out"));
     let out = out.to_str().unwrap();
     let full = || Stdio::from(fs::OpenOptions::new().write(true).open("/dev/full").unwrap());
@@ -134,8 +133,7 @@ fn full_outputs_are_errors_and_never_panics() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_leaves_what_was_there() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     let out = folder.path().join("out");
     fs::create_dir(&out).unwrap();
     let figure = out.join("table-fill.svg");
@@ -163,8 +161,7 @@ fn a_full_disk_leaves_what_was_there() {
 
 #[test]
 fn names_of_files_do_not_reach_a_terminal() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     with_header(&dump, |header| {
         for text in [&mut header.scene.name, &mut header.adapter.name, &mut header.options.camera] {
             STEERING.clone_into(text);
@@ -205,8 +202,7 @@ fn names_of_files_do_not_reach_a_terminal() {
 #[cfg(target_os = "linux")]
 #[test]
 fn long_names_are_shortened_before_they_are_drawn() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     let long = "name ".repeat(1 << 20);
     with_header(&dump, |header| {
         for text in [&mut header.scene.name, &mut header.adapter.name, &mut header.options.camera] {
@@ -233,8 +229,7 @@ fn long_names_are_shortened_before_they_are_drawn() {
 #[cfg(unix)]
 #[test]
 fn pipes_and_devices_are_no_files() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     let pipe = folder.path().join("x.raydump");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let (dump, pipe) = (dump.to_str().unwrap(), pipe.to_str().unwrap());
@@ -259,8 +254,7 @@ fn pipes_and_devices_are_no_files() {
 
 #[test]
 fn a_picture_that_lacks_what_is_damaged_is_a_failure() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     let out = folder.path().join("p.png");
     let shot = |view: &str| {
         let arguments = ["shot", dump.to_str().unwrap(), "--view", view, "--size", "960x640", "--out"];
@@ -291,8 +285,7 @@ fn a_picture_that_lacks_what_is_damaged_is_a_failure() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_window_without_a_screen_or_a_recording_is_a_sentence() {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = written();
     let opened = |dump: &Path, display: Option<&str>| {
         let mut command = inspector(&[dump.to_str().unwrap()]);
         command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env_remove("DISPLAY");

@@ -4,69 +4,32 @@ use std::path::Path;
 
 use formats::key::LightSite;
 use formats::manifest::{
-    Adapter, ArrayRecord, Backend, CameraPose, End, Features, Header, ImageDigest, Manifest, Mismatches,
-    Options, Outcome, Place, QueueId, QueueRecord, SceneSummary, Source, Stage, TimingRecord,
+    Adapter, ArrayRecord, Backend, End, Features, Header, ImageDigest, Manifest, Mismatches, Outcome, Place,
+    QueueId, QueueRecord, Stage, TimingRecord,
 };
 use formats::npy::Dtype;
 use formats::ray::Kind;
 use formats::summary::Summary;
 use serde_json::{Value, json};
 
+#[path = "../../formats/tests/sample/mod.rs"]
+mod sample;
+
 fn header() -> Header {
     let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
-    Header {
-        program_version: "0.1.0".into(),
-        options: Options {
-            width: 4,
-            height: 2,
-            bounces: 1,
-            passes: 1,
-            repeats: 4,
-            seed: 0,
-            camera: "front".into(),
-            methods: words(&["unsorted", "reis"]),
-            key_bits: 32,
-            two_point_length: 0.25,
-            table_bits: 20,
-            table_method: "aila".into(),
-            table_layout: "ox".into(),
-            trace_kernel: "cwbvh".into(),
-            threads: 2,
-            keep: words(&["rays"]),
-            keep_passes: "measured".into(),
-            russian_roulette: false,
-        },
-        scene: SceneSummary {
-            name: "cornell".into(),
-            content_hash: [1; 32],
-            bounds_min: [0.0; 3],
-            bounds_max: [1.0; 3],
-            triangles: 38,
-            vertices: 76,
-        },
-        camera: CameraPose {
-            eye: [0.0; 3],
-            forward: [0.0, 0.0, 1.0],
-            right: [1.0, 0.0, 0.0],
-            up: [0.0, 1.0, 0.0],
-            yfov_radians: 1.0,
-        },
-        lights: vec![LightSite::Environment],
-        backend: Backend::Gpu,
-        adapter: Adapter {
-            name: "card".into(),
-            driver: "driver 1".into(),
-            device_type: "discrete".into(),
-            backend: "vulkan".into(),
-        },
-        limits: Vec::new(),
-        self_check: Vec::new(),
-        ieee_arithmetic: true,
-        features: Features { used: words(&["environment"]), skipped: words(&["textures"]) },
-        time_source: "gpu timestamps".into(),
-        notices: Vec::new(),
-        source: Source::Traced,
-    }
+    let mut header = sample::header();
+    (header.options.width, header.options.height) = (4, 2);
+    (header.scene.name, header.scene.triangles) = ("cornell".into(), 38);
+    header.lights = vec![LightSite::Environment];
+    header.backend = Backend::Gpu;
+    header.adapter = Adapter {
+        name: "card".into(),
+        driver: "driver 1".into(),
+        device_type: "discrete".into(),
+        backend: "vulkan".into(),
+    };
+    header.features = Features { used: words(&["environment"]), skipped: words(&["textures"]) };
+    header
 }
 
 fn manifest() -> Manifest {

@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use formats::bench_result::BenchResult;
 use formats::manifest::{Stage, Way};
 use formats::ray::Kind;
 use formats::reader::Dump;
@@ -19,27 +20,26 @@ use inspector::figures::catalogue::{CATALOGUE, Findings, Skipped};
 use inspector::figures::csv;
 use inspector::figures::model::{Content, Figure, Panel, Scale, Series};
 use inspector::report::tables::tables;
+use on_disk::written;
+use tempfile::TempDir;
 
 mod benches;
-#[path = "../../../formats/tests/sample/mod.rs"]
-mod sample;
+#[path = "../on_disk/mod.rs"]
+mod on_disk;
 mod several;
 
-fn no_recordings() -> Analysis {
-    Analysis { group_width: 64, recordings: vec![], summaries: vec![], correlations: vec![], study: None }
-}
-
-fn analysis(folder: &Path, depth: Depth) -> Analysis {
-    let dump = Dump::open(&sample::write(folder)).unwrap();
-    analyse(&[dump], &AnalysisOptions { depth, ..AnalysisOptions::default() }).unwrap()
+/// Of the sample, and the folder that it is in.
+fn analysis(depth: Depth) -> (TempDir, Analysis) {
+    let (folder, dump) = written();
+    let options = AnalysisOptions { depth, ..AnalysisOptions::default() };
+    (folder, analyse(&[Dump::open(&dump).unwrap()], &options).unwrap())
 }
 
 #[test]
 fn curves_of_run_time_against_error_show_what_was_measured() {
-    let analysis = no_recordings();
+    let analysis = Analysis::default();
     let benches = benches::of_each_kind();
-    let findings = Findings { analysis: &analysis, benches: &benches };
-    let panel = |name: &str, at: usize| figure(&findings, name).unwrap().panels.swap_remove(at);
+    let panel = |name: &str, at: usize| figure(&analysis, &benches, name).unwrap().panels.swap_remove(at);
     let place = |panel: &Panel, label: &str| -> Vec<(f64, f64)> {
         let found = series(panel).iter().find(|series| series.label == label).unwrap();
         found.points.iter().map(|point| (point.x, point.y)).collect()
@@ -72,9 +72,14 @@ fn curves_of_run_time_against_error_show_what_was_measured() {
 }
 
 /// The figure, or why not.
-fn figure(findings: &Findings<'_>, name: &str) -> Result<Figure, Skipped> {
+fn figure(analysis: &Analysis, benches: &[BenchResult], name: &str) -> Result<Figure, Skipped> {
     let entry = CATALOGUE.iter().find(|entry| entry.name == name).unwrap();
-    entry.make(findings)
+    entry.make(&Findings { analysis, benches })
+}
+
+/// The figure of recordings alone.
+fn of_recordings(analysis: &Analysis, name: &str) -> Figure {
+    figure(analysis, &[], name).unwrap()
 }
 
 fn series(panel: &Panel) -> &[Series] {
@@ -83,8 +88,7 @@ fn series(panel: &Panel) -> &[Series] {
 
 #[test]
 fn every_figure_is_made_and_sound() {
-    let folder = tempfile::tempdir().unwrap();
-    let analysis = analysis(folder.path(), Depth::Arrays);
+    let (_folder, analysis) = analysis(Depth::Arrays);
     let findings = Findings { analysis: &analysis, benches: &benches::of_each_kind() };
     let mut styles: BTreeMap<String, usize> = BTreeMap::new();
     for entry in CATALOGUE {
@@ -153,14 +157,13 @@ fn scaled(recording: &RecordingAnalysis, factor: f64) -> RecordingAnalysis {
 
 #[test]
 fn speedups_by_kernel_are_those_of_its_recordings() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    let (_folder, mut analysis) = analysis(Depth::Manifest);
     let first = analysis.recordings[0].clone();
     let mut other = scaled(&first, 2.0);
     other.options.trace_kernel = "lanes".into();
     other.configuration = "lanes, elsewhere".into();
     analysis.recordings = vec![first.clone(), other.clone()];
-    let made = figure(&Findings { analysis: &analysis, benches: &[] }, "kernel-speedup").unwrap();
+    let made = of_recordings(&analysis, "kernel-speedup");
     let titles: Vec<&str> = made.panels.iter().map(|panel| panel.title.as_str()).collect();
     assert_eq!(
         titles,
@@ -190,7 +193,7 @@ fn speedups_by_kernel_are_those_of_its_recordings() {
     let [second, alone] = ["second", "alone"].map(|scene| of_scene(&first, scene, 4.0));
     let several = vec![first, other.clone(), second, of_scene(&other, "second", 4.0), alone];
     let several = Analysis { recordings: several, ..analysis.clone() };
-    let means = figure(&Findings { analysis: &several, benches: &[] }, "kernel-speedup").unwrap();
+    let means = of_recordings(&several, "kernel-speedup");
     assert_eq!(means.panels.len(), 4);
     for (single, mean) in made.panels.iter().zip(&means.panels) {
         let totals = |panel| -> Vec<f64> {
@@ -206,14 +209,13 @@ fn speedups_by_kernel_are_those_of_its_recordings() {
 /// A row of stages ends where the net speedup says, and its trace where `break-even` does.
 #[test]
 fn a_stack_agrees_with_other_figures() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    let (_folder, mut analysis) = analysis(Depth::Manifest);
     // Not what medians of stages say.
     for frame in analysis.recordings[0].frames.iter_mut().filter(|frame| frame.method == "aila") {
         let Metric::Known(line) = &mut frame.net_speedup else { panic!("it was timed") };
         line.ratio *= 0.75;
     }
-    let figure = figure(&Findings { analysis: &analysis, benches: &[] }, "overhead").unwrap();
+    let figure = of_recordings(&analysis, "overhead");
     let recording = &analysis.recordings[0];
     for (panel, rays) in figure.panels.iter().zip(RayClass::ALL) {
         let Scale::Categories(methods) = &panel.x.scale else { panic!("methods") };
@@ -240,16 +242,14 @@ fn a_stack_agrees_with_other_figures() {
 /// A mean over bounces counts each ray once, and each bounce is shown beside it.
 #[test]
 fn a_model_shows_all_rays_together_and_each_bounce() {
-    let folder = tempfile::tempdir().unwrap();
-    let analysis = analysis(folder.path(), Depth::Arrays);
-    let findings = Findings { analysis: &analysis, benches: &[] };
-    let lanes = figure(&findings, "lane-utilisation").unwrap();
+    let (_folder, analysis) = analysis(Depth::Arrays);
+    let lanes = of_recordings(&analysis, "lane-utilisation");
     let shadow = lanes.panels.iter().find(|panel| panel.title.contains("shadow")).unwrap();
     let queues: Vec<_> =
         analysis.recordings[0].measured().filter(|queue| queue.kind == Kind::Shadow).collect();
     assert!(queues.len() > 1, "several bounces");
     let of = |queue: &inspector::analysis::QueueAnalysis| {
-        let order = queue.orders.iter().find(|order| order.method == "aila").unwrap();
+        let order = queue.order("aila").unwrap();
         let lane = order.lanes.known().unwrap().iter().find(|lane| lane.width == 32).unwrap();
         (queue.rays as f64, 100.0 * lane.utilisation)
     };
@@ -265,11 +265,9 @@ fn a_model_shows_all_rays_together_and_each_bounce() {
 /// A program finds a number by what it is of, whatever the figure looks like.
 #[test]
 fn a_csv_has_one_number_a_row_and_says_what_it_is_of() {
-    let folder = tempfile::tempdir().unwrap();
-    let analysis = analysis(folder.path(), Depth::Manifest);
-    let findings = Findings { analysis: &analysis, benches: &[] };
+    let (_folder, analysis) = analysis(Depth::Manifest);
     let recording = &analysis.recordings[0];
-    let bytes = csv::write(&figure(&findings, "net-speedup").unwrap()).unwrap();
+    let bytes = csv::write(&of_recordings(&analysis, "net-speedup")).unwrap();
     let text = String::from_utf8(bytes).unwrap();
     assert!(text.starts_with("scene,machine,kind,bounce,method,detail,x_axis,x,metric,value,low,high,n\n"));
     let frame = recording.frame(RayClass::Shadow, "aila").unwrap().net_speedup.known().unwrap();
@@ -278,14 +276,11 @@ fn a_csv_has_one_number_a_row_and_says_what_it_is_of() {
         recording.scene, recording.configuration, frame.ratio
     );
     assert!(text.lines().any(|line| line.replace('"', "").starts_with(&row)), "no {row} in {text}");
-    let sizes = csv::write(
-        &figure(&Findings { analysis: &analysis, benches: &benches::of_each_kind() }, "sort-throughput")
-            .unwrap(),
-    );
+    let sizes = csv::write(&figure(&analysis, &benches::of_each_kind(), "sort-throughput").unwrap());
     let sizes = String::from_utf8(sizes.unwrap()).unwrap();
     assert!(sizes.contains(",keys,1024,throughput (Mkeys/s),"), "where to the right: {sizes}");
     let queue = recording.measured().find(|queue| queue.kind == Kind::Shadow && queue.bounce == 1).unwrap();
-    let order = queue.orders.iter().find(|order| order.method == "aila").unwrap();
+    let order = queue.order("aila").unwrap();
     let row = format!(",shadow,1,aila,,,,net speedup,{},", order.net_speedup.known().unwrap().ratio);
     assert!(text.contains(&row), "no {row} in {text}");
 }
@@ -293,8 +288,7 @@ fn a_csv_has_one_number_a_row_and_says_what_it_is_of() {
 /// The numbers of a table are those of the analysis.
 #[test]
 fn tables_hold_what_was_measured() {
-    let folder = tempfile::tempdir().unwrap();
-    let analysis = analysis(folder.path(), Depth::Arrays);
+    let (_folder, analysis) = analysis(Depth::Arrays);
     let benches = benches::of_each_kind();
     let tables = tables(&analysis, &benches);
     let table = |start: &str| tables.iter().find(|table| table.title.starts_with(start)).unwrap();
@@ -312,7 +306,7 @@ fn tables_hold_what_was_measured() {
     let lanes = table("What lanes and caches would say, shadow");
     let aila = lanes.header.iter().position(|name| name == "aila").unwrap();
     let queue = recording.measured().find(|queue| queue.kind == Kind::Shadow && queue.bounce == 0).unwrap();
-    let order = queue.orders.iter().find(|order| order.method == "aila").unwrap();
+    let order = queue.order("aila").unwrap();
     let lane = order.lanes.known().unwrap().iter().find(|lane| lane.width == 32).unwrap();
     let row = lanes.rows.iter().find(|row| row[0].text == "lanes, bounce 0").unwrap();
     assert_eq!(row[aila].text, format!("{:.1}", 100.0 * lane.utilisation));
@@ -325,8 +319,7 @@ fn tables_hold_what_was_measured() {
 
 #[test]
 fn variants_of_a_base_make_a_sweep() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    let (_folder, mut analysis) = analysis(Depth::Manifest);
     for order in analysis.recordings[0].queues.iter_mut().flat_map(|queue| &mut queue.orders) {
         // As a replay with 16-bit and 32-bit keys of one method would have it.
         if ["aila", "mine"].contains(&order.method.as_str()) {
@@ -334,13 +327,12 @@ fn variants_of_a_base_make_a_sweep() {
             order.two_point_length = None;
         }
     }
-    let findings = Findings { analysis: &analysis, benches: &[] };
-    let figure = figure(&findings, "key-bits").unwrap();
+    let figure = of_recordings(&analysis, "key-bits");
     assert_eq!(figure.panels.len(), 4);
     let [line] = series(&figure.panels[0]) else { panic!("one line") };
     assert_eq!(line.label, "aila");
     assert_eq!(line.points.iter().map(|point| point.x).collect::<Vec<_>>(), [16.0, 32.0]);
-    let speedups = self::figure(&findings, "trace-speedup").unwrap();
+    let speedups = of_recordings(&analysis, "trace-speedup");
     let labels: Vec<&str> = series(&speedups.panels[0]).iter().map(|series| series.label.as_str()).collect();
     assert!(
         labels.contains(&"aila") && !labels.contains(&"mine"),
@@ -357,22 +349,21 @@ fn variants_of_a_base_make_a_sweep() {
         *line = Metric::Known(SpeedupLine { ratio: 9.0, ..*line.known().unwrap() });
     }
     analysis.recordings.push(single);
-    let beside = self::figure(&Findings { analysis: &analysis, benches: &[] }, "key-bits").unwrap();
+    let beside = of_recordings(&analysis, "key-bits");
     assert_eq!(beside.panels[0], figure.panels[0]);
 }
 
 /// What `auto` left alone is a word in the table, and not the best.
 #[test]
 fn nothing_is_the_best_of_a_row() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    let (_folder, mut analysis) = analysis(Depth::Manifest);
     let frames = &mut analysis.recordings[0].frames;
     let is_auto = |frame: &FrameAnalysis| frame.method == "auto" && frame.rays == RayClass::Secondary;
     frames
         .retain(|frame| frame.rays == RayClass::Secondary && (is_auto(frame) || frame.method == "unsorted"));
     let row = |analysis: &Analysis| tables(analysis, &[])[0].rows[0].clone();
     let sorted = row(&analysis);
-    let net = figure(&Findings { analysis: &analysis, benches: &[] }, "net-speedup").unwrap();
+    let net = of_recordings(&analysis, "net-speedup");
     assert!(series(&net.panels[0]).iter().any(|series| series.label == "auto"));
     assert!(sorted.iter().any(|cell| cell.is_best), "{sorted:?}");
     analysis.recordings[0]
@@ -381,7 +372,7 @@ fn nothing_is_the_best_of_a_row() {
         .filter(|frame| is_auto(frame))
         .for_each(|frame| frame.left_alone = true);
     let alone = row(&analysis);
-    let net = figure(&Findings { analysis: &analysis, benches: &[] }, "net-speedup").unwrap();
+    let net = of_recordings(&analysis, "net-speedup");
     assert!(
         series(&net.panels[0]).iter().all(|series| series.label != "auto"),
         "what was not sorted gains nothing"
@@ -393,8 +384,7 @@ fn nothing_is_the_best_of_a_row() {
 /// Of an order of another tracer it is known what it saves, and what moving rays takes; its key and sort are not.
 #[test]
 fn what_saves_is_shown_where_nobody_knows_what_a_sort_takes() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    let (_folder, mut analysis) = analysis(Depth::Manifest);
     let even =
         |analysis: &Analysis| RayClass::ALL.map(|rays| BreakEven::of(&analysis.recordings[0], rays, "aila"));
     let known = even(&analysis);
@@ -402,8 +392,7 @@ fn what_saves_is_shown_where_nobody_knows_what_a_sort_takes() {
         frame.net_speedup = Metric::missing("not timed");
     }
     assert!(known.iter().all(Option::is_some) && even(&analysis) == known, "from the sums of what was timed");
-    let findings = Findings { analysis: &analysis, benches: &[] };
-    let [even, overhead] = ["break-even", "overhead"].map(|name| figure(&findings, name).unwrap());
+    let [even, overhead] = ["break-even", "overhead"].map(|name| of_recordings(&analysis, name));
     let row = |panel: &Panel| match &panel.x.scale {
         Scale::Categories(methods) => methods.iter().position(|method| method == "aila"),
         _ => None,
@@ -420,8 +409,7 @@ fn what_saves_is_shown_where_nobody_knows_what_a_sort_takes() {
 /// Times by hand: the figure agrees with the net speedups, in nanoseconds a ray, by the trace that counts.
 #[test]
 fn a_sort_pays_where_it_takes_less_than_it_saves() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    let (_folder, mut analysis) = analysis(Depth::Manifest);
     for queue in &mut analysis.recordings[0].queues {
         let Some(unsorted) = queue.order("unsorted").map(|order| order.stages[0].time.samples_ns.clone())
         else {
@@ -441,7 +429,7 @@ fn a_sort_pays_where_it_takes_less_than_it_saves() {
             line.ratio = 0.8;
         }
     }
-    let made = figure(&Findings { analysis: &analysis, benches: &[] }, "break-even").unwrap();
+    let made = of_recordings(&analysis, "break-even");
     let recording = &analysis.recordings[0];
     for (panel, rays) in made.panels.iter().zip(RayClass::ALL) {
         let Scale::Categories(methods) = &panel.x.scale else { panic!("methods") };
@@ -475,15 +463,13 @@ fn a_sort_pays_where_it_takes_less_than_it_saves() {
 /// Views of the sample: over all rays their areas have the means that the analysis has, and rates are the clock's.
 #[test]
 fn a_view_has_the_areas_of_its_groups_and_the_rates_of_its_traces() {
-    let folder = tempfile::tempdir().unwrap();
-    let analysis = analysis(folder.path(), Depth::Arrays);
-    let findings = Findings { analysis: &analysis, benches: &[] };
+    let (_folder, analysis) = analysis(Depth::Arrays);
     let recording = &analysis.recordings[0];
     let queue = recording.measured().find(|queue| queue.bounce == 1 && queue.kind == Kind::Closest).unwrap();
     let methods: Vec<&str> = queue.orders.iter().map(|order| order.method.as_str()).collect();
     let found = Headline::of(recording, &methods, analysis.group_width);
     let Headline { views, bounce: 1, .. } = found.known().unwrap() else { panic!("{found:?}") };
-    let made = figure(&findings, "headline").unwrap();
+    let made = of_recordings(&analysis, "headline");
     for (view, panel) in views.iter().zip(&made.panels) {
         let order = queue.order(&view.method).unwrap();
         let areas: Vec<f64> = view.areas.iter().flatten().copied().collect();
@@ -514,14 +500,9 @@ fn a_view_has_the_areas_of_its_groups_and_the_rates_of_its_traces() {
 
 #[test]
 fn a_curve_is_drawn_beside_orders_that_were_timed() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Manifest);
-    let titles: Vec<String> = figure(&Findings { analysis: &analysis, benches: &[] }, "curve")
-        .unwrap()
-        .panels
-        .into_iter()
-        .map(|panel| panel.title)
-        .collect();
+    let (_folder, mut analysis) = analysis(Depth::Manifest);
+    let titles: Vec<String> =
+        of_recordings(&analysis, "curve").panels.into_iter().map(|panel| panel.title).collect();
     assert_eq!(
         titles,
         [
@@ -536,15 +517,15 @@ fn a_curve_is_drawn_beside_orders_that_were_timed() {
         .iter_mut()
         .flat_map(|queue| &mut queue.orders)
         .for_each(|order| order.stages.clear());
-    assert!(figure(&Findings { analysis: &analysis, benches: &[] }, "curve").is_err());
+    assert!(figure(&analysis, &[], "curve").is_err());
 }
 
 /// Frames by hand: a third of the time is tracing, sorting costs a tenth and saves a fifth of shading.
 #[test]
 fn frames_are_stacked_from_their_parts_beside_their_speedup() {
-    let analysis = no_recordings();
+    let analysis = Analysis::default();
     let benches = benches::of_each_kind();
-    let made = figure(&Findings { analysis: &analysis, benches: &benches }, "shading").unwrap();
+    let made = figure(&analysis, &benches, "shading").unwrap();
     let [parts, speedups] = &made.panels[..] else { panic!("{} panels", made.panels.len()) };
     let Scale::Categories(orders) = &parts.x.scale else { panic!("orders along the axis") };
     assert_eq!((orders, &parts.x), (&vec!["none".to_owned(), "material".to_owned()], &speedups.x));
@@ -563,9 +544,7 @@ fn frames_are_stacked_from_their_parts_beside_their_speedup() {
 
 #[test]
 fn what_recordings_cannot_give_is_skipped_with_a_reason() {
-    let folder = tempfile::tempdir().unwrap();
-    let analysis = analysis(folder.path(), Depth::Manifest);
-    let findings = Findings { analysis: &analysis, benches: &[] };
+    let (_folder, analysis) = analysis(Depth::Manifest);
     for (name, part) in [
         ("capsule-area", "not read"),
         ("lane-utilisation", "not read"),
@@ -577,7 +556,7 @@ fn what_recordings_cannot_give_is_skipped_with_a_reason() {
         ("skipped", "bench skip"),
         ("shading", "bench render"),
     ] {
-        let skipped = figure(&findings, name).unwrap_err();
+        let skipped = figure(&analysis, &[], name).unwrap_err();
         assert!(skipped.reason.contains(part), "{skipped:?}");
     }
 }

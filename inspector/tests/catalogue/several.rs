@@ -2,17 +2,15 @@
 
 use formats::ray::Kind;
 use inspector::analysis::{Analysis, Depth, Metric};
-use inspector::figures::catalogue::Findings;
 use inspector::figures::model::Scale;
 use inspector::report::tables::tables;
 
-use super::{analysis, figure, series};
+use super::{analysis, of_recordings, series};
 
 /// Of many recordings each panel has rows for the methods that are best there, and no row is empty.
 #[test]
 fn no_panel_of_many_is_without_its_methods() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    let (_folder, mut analysis) = analysis(Depth::Manifest);
     let whole = analysis.recordings[0].clone();
     let mut few = whole.clone();
     // What is best of all there stands last elsewhere; and a control that seems to gain most.
@@ -36,7 +34,7 @@ fn no_panel_of_many_is_without_its_methods() {
     analysis.recordings = vec![whole.clone(), whole, few, camera];
     let expected = ["two-point-adaptive"];
     for name in ["overhead", "break-even"] {
-        let made = figure(&Findings { analysis: &analysis, benches: &[] }, name).unwrap();
+        let made = of_recordings(&analysis, name);
         for (at, panel) in made.panels.iter().enumerate() {
             let Scale::Categories(rows) = &panel.x.scale else { panic!("methods") };
             let points = || series(panel).iter().flat_map(|series| &series.points);
@@ -52,8 +50,7 @@ fn no_panel_of_many_is_without_its_methods() {
 /// A figure's settings are those of the recordings that are in it, and of a sweep all its bits.
 #[test]
 fn settings_are_those_of_what_is_in_a_figure() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Arrays);
+    let (folder, mut analysis) = analysis(Depth::Arrays);
     let mut other = analysis.recordings[0].clone();
     (other.label, other.scene, other.content_hash) = ("other".into(), "other".into(), "other".into());
     other.root = folder.path().join("nowhere.raydump");
@@ -71,8 +68,7 @@ fn settings_are_those_of_what_is_in_a_figure() {
             order.two_point_length = None;
         }
     }
-    let settings =
-        |name: &str| figure(&Findings { analysis: &analysis, benches: &[] }, name).unwrap().settings;
+    let settings = |name: &str| of_recordings(&analysis, name).settings;
     for name in ["key-bits", "lane-utilisation", "headline", "pixel-cost"] {
         let settings = settings(name);
         assert_eq!(settings.len(), 1, "{name}: {settings:?}");
@@ -86,12 +82,10 @@ fn settings_are_those_of_what_is_in_a_figure() {
 /// and pictures that two recordings share are shown once.
 #[test]
 fn replays_do_not_repeat_what_their_source_shows() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Arrays);
+    let (_folder, mut analysis) = analysis(Depth::Arrays);
     let panels = |analysis: &Analysis| {
-        let findings = Findings { analysis, benches: &[] };
         ["overhead", "lane-utilisation", "table-fill", "pixel-cost"]
-            .map(|name| figure(&findings, name).unwrap().panels.len())
+            .map(|name| of_recordings(analysis, name).panels.len())
     };
     let alone = panels(&analysis);
     let mut replay = analysis.recordings[0].clone();
@@ -113,15 +107,14 @@ fn replays_do_not_repeat_what_their_source_shows() {
 /// One that a recording lacks has the dots of the others and no mean, which would be over other scenes.
 #[test]
 fn means_are_of_what_all_recordings_have() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Arrays);
+    let (_folder, mut analysis) = analysis(Depth::Arrays);
     let whole = analysis.recordings[0].clone();
     let mut few = whole.clone();
     few.queues.iter_mut().for_each(|queue| queue.orders.retain(|order| order.method != "aila"));
     few.frames.retain(|frame| frame.method != "aila");
     analysis.recordings = vec![whole.clone(), whole, few];
     for name in ["trace-speedup", "net-speedup", "lane-utilisation"] {
-        let made = figure(&Findings { analysis: &analysis, benches: &[] }, name).unwrap();
+        let made = of_recordings(&analysis, name);
         let count = |method: &str, is_part: bool| -> usize {
             let own = series(&made.panels[0]).iter();
             let own = own.filter(|series| series.label == method && series.is_part == is_part);
