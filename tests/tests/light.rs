@@ -65,7 +65,8 @@ fn what_paths_carry_is_kept_when_it_is_asked_for() {
     let dump = record(folder.path(), "builtin:cornell", "plain", "--bounces 2 --backend cpu");
     let place = Place::Queue(dump.manifest().queues[0].id, QueueArray::Throughput);
     let reason = dump.array::<[f32; 3]>(&place).unwrap_err().to_string();
-    assert!(reason.contains("recorded without throughput: `--keep throughput`"), "{reason}");
+    let remedy = "recorded without throughput: `--keep rays,";
+    assert!(reason.contains(remedy) && reason.ends_with(",throughput`"), "{reason}");
     let rays = place.to_string().replace("throughput", "rays");
     for what in ["throughput", "image"] {
         let line =
