@@ -276,8 +276,8 @@ impl Frame {
         text
     }
 
-    /// What the numbers mean, in a sentence.
-    fn meaning(&self) -> String {
+    /// What the numbers mean, in a sentence: whether sorting pays, with which method, and how surely.
+    pub fn meaning(&self) -> String {
         let known = || self.rows.iter().filter_map(|row| Some((row, row.net?)));
         // One that surely pays goes before one that gains more, perhaps by chance.
         let pays = known().find(|(row, _)| row.verdict == PAYS);

@@ -69,7 +69,7 @@ impl Verdict {
             Self::Slower => "slower",
             Self::NoSignificantDifference => "no significant difference",
             Self::WithinControl => "within what the control is off by",
-            Self::Unknown => "no interval (too few rounds, or two runs)",
+            Self::Unknown => "no interval: fewer than 6 rounds, or two runs",
         }
     }
 }

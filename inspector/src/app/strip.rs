@@ -3,13 +3,13 @@
 use std::collections::BTreeSet;
 
 use egui::{RichText, Ui};
+use formats::key::method::UNSORTED;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 
-use crate::analysis::Metric;
-use crate::analysis::Versus;
 use crate::analysis::summary::RayClass;
 use crate::analysis::timing::{SpeedupLine, Verdict};
+use crate::analysis::{Metric, OrderAnalysis, Versus};
 use crate::model::selection::Selection;
 use crate::model::what_if::WHAT_IF;
 use crate::model::{Context, Recording};
@@ -84,6 +84,12 @@ impl Strip {
         let frame_of = format!("B over A, whole frame{kinds}");
         outcome(ui, &frame_of, frame, LARGE);
         ui.separator();
+        let is_own = baseline.method == UNSORTED && baseline.recording.is_none_or(|at| at == *recording);
+        let order = b.times_of(*queue).and_then(|queue| queue.order(method));
+        if is_own && order.is_some_and(OrderAnalysis::is_left_alone) {
+            ui.label(format!("{method} left these rays alone: A and B are the same order."));
+            return;
+        }
         outcome(
             ui,
             &format!("B over A, bounce {}, {} rays", queue.bounce, queue.kind.name()),
@@ -180,7 +186,12 @@ fn outcome(ui: &mut Ui, of: &str, versus: &Versus, size: f32) {
         ui.small(of);
         for (line, what, about, size) in [
             (&versus.net, "net", "With all that sorting costs: key, sort, gather, scatter", size),
-            (&versus.trace, "trace", "Tracing alone, without what sorting costs", 0.7 * size),
+            (
+                &versus.trace,
+                "trace",
+                "Tracing gathered rays alone; net may trace them through indices",
+                0.7 * size,
+            ),
         ] {
             ui.horizontal(|ui| speedup(ui, line, (what, about), size));
         }

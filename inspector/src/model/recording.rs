@@ -8,7 +8,7 @@ use formats::folder::dump_of_partial;
 use formats::hierarchy::Hierarchy;
 use formats::key::method::{AUTO, UNSORTED, is_method_name};
 use formats::manifest::{Header, MethodRecord, QueueId, QueueRecord, Source};
-use formats::metrics::frame::leaves_all_alone;
+use formats::metrics::frame::{Frame, leaves_all_alone};
 use formats::ray::Kind;
 use formats::reader::{Dump, ReadError};
 use formats::unit_space::UnitSpace;
@@ -25,6 +25,8 @@ pub struct Recording {
     pub dump: Arc<Dump>,
     /// Its times; arrays are not read for them. None of a recording that is still being written.
     pub times: Option<RecordingAnalysis>,
+    /// Whether sorting pays, in the words that end `inspector info`; nothing without times.
+    pub verdict: Option<String>,
     /// What it is called.
     pub label: String,
     /// What its header says, with names that can be shown.
@@ -49,6 +51,7 @@ impl Recording {
             analysis::AnalysisOptions { depth: Depth::Manifest, ..analysis::AnalysisOptions::default() };
         let analysis = analysis::analyse(std::slice::from_ref(&dump), &options).ok();
         let times = analysis.and_then(|analysis| analysis.recordings.into_iter().next());
+        let verdict = times.as_ref().map(|_| Frame::of(dump.manifest()).meaning());
         let mut over_unsorted = times.as_ref().map_or_else(Vec::new, Versus::over_unsorted);
         over_unsorted.retain(|(method, _)| !leaves_all_alone(dump.manifest(), method));
         let name = dump.root().file_stem();
@@ -58,7 +61,7 @@ impl Recording {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let opening = NEXT.fetch_add(1, Ordering::Relaxed);
         let (dump, hierarchy) = (Arc::new(dump), Arc::default());
-        Ok(Self { dump, times, label, shown, queues, over_unsorted, opening, hierarchy })
+        Ok(Self { dump, times, verdict, label, shown, queues, over_unsorted, opening, hierarchy })
     }
 
     /// Reads it again, by its final name if its recorder has ended since.

@@ -123,7 +123,7 @@ fn compared(
         legend(ui, theme.series(context.style_of(&method)), &format!("{method}: median {area:.3}"));
     }
     if let Some((of_a, of_b)) = a.and_then(&median).zip(median(b)).filter(|(_, of_b)| *of_b > 0.0) {
-        ui.strong(format!("{:.1} times as small", of_a / of_b));
+        ui.strong(format!("{:.1} times as small in the median", of_a / of_b));
     }
     ui.weak("others grey");
 }

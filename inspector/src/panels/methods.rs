@@ -31,7 +31,11 @@ const COLUMNS: [(&str, f32, &str); 7] = [
         52.0,
         "Unsorted trace over all that tracing in this order takes, key and sort included, on the whole frame, as in the strip; \u{2248} is no significant difference",
     ),
-    ("trace", 52.0, "Unsorted trace over the trace in this order alone, on the whole frame"),
+    (
+        "trace",
+        52.0,
+        "Unsorted trace over the trace of rays gathered in this order, on the whole frame; net may trace them through indices, and then be the larger one",
+    ),
     (
         "by bounce",
         66.0,
@@ -53,17 +57,17 @@ pub(super) struct MethodsPanel;
 
 impl Panel for MethodsPanel {
     fn show(&mut self, ui: &mut Ui, context: &mut Context) {
-        if context.recording().is_none() {
-            return hint(ui, "no recording is open");
-        }
+        let Some(recording) = context.recording() else { return hint(ui, "no recording is open") };
+        let verdict = recording.verdict.clone();
         let ranking = context.ranking(ui.ctx().cumulative_frame_nr());
         if ranking.is_empty() {
             return hint(ui, "no method was measured on these rays; the last pass is the measured one");
         }
-        ui.horizontal_wrapped(|ui| {
-            ui.label("Speedup over unsorted, whole frame (secondary + shadow rays).");
-            ui.weak("Click: B. Shift-click: A.");
-        });
+        if let Some(verdict) = verdict {
+            let first = verdict.split("; ").next().unwrap_or_default();
+            ui.label(first).on_hover_text(&verdict);
+        }
+        ui.weak("Speedups over unsorted rays, whole frame. Click: B. Shift-click: A.");
         let by_bounce = ranking.iter().flat_map(|order| &order.by_bounce).filter(|(_, ratio)| *ratio > 0.0);
         let reach = by_bounce.map(|(_, ratio)| ratio.log2().abs()).fold(LEAST_REACH.log2(), f64::max);
         let mut chosen = None;

@@ -69,7 +69,11 @@ impl Panel for TablePanel {
             let touched = format!("{touched} of {all} cells touched; parts without any are left out");
             ui.add(egui::Label::new(egui::RichText::new(touched).weak()).truncate());
         });
-        ui.horizontal_wrapped(|ui| estimate_plot::worth(ui, context));
+        if cells.is_empty() {
+            ui.label("No ray was added before this bounce: two-point-adaptive assumes the same length, 0.25, for all.");
+        } else {
+            ui.horizontal_wrapped(|ui| estimate_plot::worth(ui, context));
+        }
         match self.view {
             TableView::Estimates => self.estimates.show(ui, context),
             TableView::Mean | TableView::Count => self.cells(ui, context, &queue),

@@ -101,8 +101,11 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
             let (name, colour) = (stage_name(stage), theme.stage(at));
             legend(ui, colour, name);
             let bars = times.iter().enumerate();
-            let bars = bars.map(|(row, time)| Bar::new(row as f64, *time).width(0.7).fill(colour));
+            let bars =
+                bars.map(|(row, time)| Bar::new(row as f64, *time).name(&names[row]).width(0.7).fill(colour));
+            let said = move |bar: &Bar, _: &BarChart| format!("{}: {name} {:.3} ms", bar.name, bar.value);
             let chart = BarChart::new(name, bars.collect()).color(colour).horizontal();
+            let chart = chart.element_formatter(Box::new(said));
             charts.push(chart.stack_on(&charts.iter().collect::<Vec<_>>()));
         }
         ui.label(

@@ -78,7 +78,7 @@ impl FromStr for Camera {
             }
             _ => Err(format!(
                 "'{text}': expected target x, y, z, yaw, pitch, distance and, if wanted, the field of view, \
-                 as View > Copy gives them"
+                 as Copy in the scene's Properties gives them"
             )),
         }
     }

@@ -63,7 +63,7 @@ pub(crate) struct Shot {
     /// looks at that order.
     #[arg(long, value_name = "LAYOUT")]
     what_if: Option<String>,
-    /// Where the camera stands: recorded, overview, or its numbers as View > Copy gives them: target x, y,
+    /// Where the camera stands: recorded, overview, or its numbers as Copy in the scene's Properties gives them: target x, y,
     /// z, yaw, pitch, distance and, if wanted, the field of view (unit space, radians).
     #[arg(long, value_parser = parse_camera, allow_hyphen_values = true)]
     camera: Option<String>,
