@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use formats::key::method::AUTO;
+use formats::manifest::{Record, Stage};
 use inspector::app::App;
 use inspector::app::demo::Demo;
 use inspector::figures::catalogue::CATALOGUE;
@@ -18,7 +20,7 @@ use tempfile::TempDir;
 
 mod headless;
 
-use headless::sample::QUEUE;
+use headless::sample::{self, QUEUE};
 use headless::{reads, reads_in_part, settle, window, written};
 
 fn on(paths: &[PathBuf]) -> Harness<'static, App> {
@@ -260,6 +262,30 @@ fn a_recording_that_grows_is_read_again() {
     std::fs::remove_dir_all(&whole).unwrap();
     press(&mut harness, Modifiers::NONE, Key::F5);
     assert!(has_problem(&harness, "cannot be read again"));
+}
+
+#[test]
+fn whether_sorting_pays_is_said_first_and_rays_left_alone_have_no_speedup() {
+    let (_folder, dump) = written();
+    let alone = "auto left these rays alone: A and B are the same order.";
+    for is_alone in [false, true] {
+        if is_alone {
+            sample::edit_manifest(&dump, |records| {
+                records.retain(|record| match record {
+                    Record::Timing(timing) => timing.method != AUTO || timing.stage == Stage::Decide,
+                    _ => true,
+                });
+                let decisions = records.iter_mut().filter_map(sample::part::decision);
+                decisions.for_each(|decision| decision.choice = None);
+            });
+        }
+        let mut harness = on(std::slice::from_ref(&dump));
+        harness.state_mut().context.go_to(QUEUE);
+        harness.state_mut().context.selection.order_by(AUTO);
+        settle(&mut harness);
+        assert_eq!(reads(&harness, alone), is_alone);
+        assert!(reads_in_part(&harness, "Sorting pays: with"), "the verdict of info");
+    }
 }
 
 #[test]
