@@ -24,8 +24,8 @@ const ROUNDS: u32 = 9;
 /// interval that holds both.
 pub const PASSES: u32 = 2;
 /// How often a closest ray of each pass is traced, by each order in two ways; a shadow ray has fewer candidates. First
-/// pass: all candidates in the warm-up and in the round that finds the best, then these in a round that decides and
-/// those that count. Second pass: the best in a warm-up, in a round that decides and those that count.
+/// pass: all candidates in the warm-up and in the round that finds the best, then these in a trial round and those
+/// that count. Second pass: the best in a warm-up, in a trial round and those that count.
 pub fn traces(setup: &Setup) -> [u64; PASSES as usize] {
     let (all, best, rounds) =
         (tried_on(setup, Kind::Closest).count() as u64, FINALISTS as u64, 1 + ROUNDS as u64);
@@ -105,7 +105,7 @@ impl Calibrator<'_> {
         let mut orders = queue.warm_up(backend, &measured, |_, _, _, _| Ok(()))?;
         let mut all = queue.measure(backend, &measured, &orders)?;
         all.retain(|entry| entry.subject != Subject::Unsorted);
-        all.sort_by_key(|entry| entry.deciding_ns.into_iter().min());
+        all.sort_by_key(|entry| entry.trial_ns.into_iter().min());
         all.truncate(FINALISTS);
         orders.retain(|subject| {
             subject == Subject::Unsorted || all.iter().any(|entry| entry.subject == subject)

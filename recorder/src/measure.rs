@@ -7,9 +7,9 @@
 //! A round has the baseline, the control and every method once by each way of tracing what was sorted, in an order
 //! drawn for it, so that drift hits all alike and nothing always follows the same. Each way of a method has keys and
 //! a sort of its own before it, and finds in the caches what those left there. What a section writes was there and
-//! was touched before: the first round is not timed, and backends use their memory again. The second decides which
-//! way of tracing sorted rays counts, so that no figure is taken from the samples that it was chosen by. A turn
-//! decides, where something is to be decided, and goes on with a device that has forgotten how the queue was traced
+//! was touched before: the first round is not timed, and backends use their memory again. The second is on trial: by it
+//! the way of tracing sorted rays that counts is chosen, so that no figure is taken from the samples that it was chosen
+//! by. A turn of `auto` decides on an order, and goes on with a device that has forgotten how the queue was traced
 //! before, where it could know a short one by heart.
 
 use std::collections::BTreeMap;
@@ -84,8 +84,8 @@ pub struct Measurement {
     /// Most results of any of its traces, those that are not timed among them, that differed from those of canonical
     /// order.
     pub mismatches: u64,
-    /// Nanoseconds of the round that decides which way counts, in all by each way; 0 for one not taken.
-    pub deciding_ns: [u64; 2],
+    /// Nanoseconds of the trial round, by which the way that counts is chosen, in all by each way; 0 for one not taken.
+    pub trial_ns: [u64; 2],
 }
 
 /// What measuring one queue gave: an entry for each order that applies, canonical order first.
@@ -229,43 +229,43 @@ impl<B: Backend> Queued<'_, B> {
         measured: &Measured,
         orders: &Orders<B::Permutation>,
     ) -> Result<QueueMeasurement> {
-        let (mut deciding, mut entries) = (empty(orders), empty(orders));
+        let (mut trial, mut entries) = (empty(orders), empty(orders));
         let seed = seed_of(!measured.seed, self.rays.id());
         let turns = orders.turns();
         in_rounds(turns.len(), measured.repeats, seed, |turn, round| {
             let (at, way) = turns[turn];
-            let entries = if round.is_some() { &mut entries } else { &mut deciding };
+            let entries = if round.is_some() { &mut entries } else { &mut trial };
             self.turn(backend, &orders.0[at], way, &mut entries[at], round.unwrap_or(0))
         })?;
-        for (entry, deciding) in entries.iter_mut().zip(deciding) {
-            let is_taken = |way: Way| way.stages().iter().any(|&stage| !deciding.stages.of(stage).is_empty());
-            let sum = |way: Way| if is_taken(way) { deciding.stages.totals(way).iter().sum() } else { 0 };
-            entry.deciding_ns = Way::ALL.map(sum);
-            entry.mismatches = entry.mismatches.max(deciding.mismatches);
+        for (entry, trial) in entries.iter_mut().zip(trial) {
+            let is_taken = |way: Way| way.stages().iter().any(|&stage| !trial.stages.of(stage).is_empty());
+            let sum = |way: Way| if is_taken(way) { trial.stages.totals(way).iter().sum() } else { 0 };
+            entry.trial_ns = Way::ALL.map(sum);
+            entry.mismatches = entry.mismatches.max(trial.mismatches);
         }
         Ok(entries)
     }
 
-    /// One turn: a sample of each stage of an order by a way, or by that which is chosen with it.
+    /// One turn: a sample of each stage of an order by a way, or by that which `auto` decides on with its order.
     fn turn(
         &self,
         backend: &mut B,
         Ordered { subject, source, .. }: &Ordered<B::Permutation>,
-        way: Way,
+        asked: Way,
         entry: &mut Measurement,
         round: u32,
     ) -> Result<()> {
         let Self { rays, hits, methods, .. } = *self;
-        // What both ways of an order need is sampled once.
-        let counts_both = way == Way::Gathered;
+        // What both ways of an order need is sampled once; `auto` is asked once.
+        let counts_both = asked == Way::Gathered;
         // Chosen before the device forgets: the clock of a decision reads the system's counters, which leaves traces
         // in the caches that a short queue feels.
         let (source, way) = match source {
-            Some(source) => (source.as_ref(), way),
+            Some(source) => (source.as_ref(), asked),
             None => {
                 let (decision, taken) = self.auto.context(NOTHING_CHOOSES)?.decide(backend, rays)?;
                 entry.add(taken, Stage::Decide, round);
-                decision.order.map_or((Source::AsTheyLie, way), |(number, way)| (Source::Keys(number), way))
+                decision.order.map_or((Source::AsTheyLie, asked), |(number, way)| (Source::Keys(number), way))
             }
         };
         backend.forget(rays)?;
@@ -348,7 +348,7 @@ fn empty<P>(orders: &Orders<P>) -> QueueMeasurement {
         stages: StageSamples::default(),
         disturbed: BTreeMap::new(),
         mismatches,
-        deciding_ns: [0; 2],
+        trial_ns: [0; 2],
     };
     orders.0.iter().map(entry).collect()
 }

@@ -61,10 +61,10 @@ impl MeasuredQueue {
     }
 }
 
-/// The way that was shorter over all queues in the rounds that decide; `None` where there are not two.
+/// The way that was shorter over all queues in the trial rounds; `None` where there are not two.
 pub fn chosen_way(queues: &[MeasuredQueue], subject: Subject) -> Option<Way> {
     let entries = queues.iter().flat_map(|queue| &queue.measurements);
-    let ns = entries.filter(|entry| entry.subject == subject).map(|entry| entry.deciding_ns);
+    let ns = entries.filter(|entry| entry.subject == subject).map(|entry| entry.trial_ns);
     let ns: Vec<[u64; 2]> = ns.filter(|ns| !ns.contains(&0)).collect();
     let [gathered, indices] = [0, 1].map(|way| ns.iter().map(|ns| ns[way]).sum::<u64>());
     let way = if indices < gathered { Way::Indices } else { Way::Gathered };

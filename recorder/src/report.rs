@@ -6,6 +6,7 @@ use comfy_table::{CellAlignment, Table};
 use formats::key::Termination;
 use formats::manifest::{DecisionRecord, Stage, Way};
 use formats::metrics::frame::{COLUMNS, Frame};
+use formats::metrics::noise::Noise;
 use formats::metrics::speedup::{Instrument, Speedup, median};
 use formats::reader::Dump;
 use formats::text::{counted, wrapped};
@@ -29,14 +30,22 @@ pub fn text(recorded: &Recorded, details: bool) -> Result<String> {
     let notices = recorded.notices.iter().map(|notice| format!("note     {notice}"));
     let about = recorded.headline.iter().cloned().chain(notices);
     let mut lines: Vec<String> = about.map(|line| wrapped(&line, COLUMNS, INDENT)).collect();
+    let frame = Frame::of(dump.manifest());
     if details {
         lines.push(ABOUT_DETAILS.to_owned());
         lines.push(table(recorded).to_string());
         lines.extend(decisions(recorded));
         lines.extend(mismatches(recorded));
         lines.extend(instrument(recorded).map(|line| wrapped(&line, COLUMNS, 0)));
+        // What is said of many disturbed samples stands above the frame.
+        let Noise { samples, disturbed, .. } = frame.noise;
+        if disturbed > 0 && !frame.noise.is_disturbed() {
+            lines.push(format!(
+                "{disturbed} of {samples} samples were taken while the machine did other work."
+            ));
+        }
     }
-    lines.push(format!("\n{}\n", Frame::of(dump.manifest()).text()));
+    lines.push(format!("\n{}\n", frame.text()));
     lines.push(format!("recording: {}", recorded.path.display()));
     Ok(lines.join("\n"))
 }

@@ -36,7 +36,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<ImageRow>> {
     let reference = bench.measure(&setup, reference)?;
     let setup = bench.setup(&run)?;
     let passes = || vec![0; size.passes as usize];
-    let sorted = || Sorted { ways_ns: [passes(), passes()], deciding_ns: [0; 2] };
+    let sorted = || Sorted { ways_ns: [passes(), passes()], trial_ns: [0; 2] };
     let work = Pictures {
         bench,
         setup: &setup,
@@ -80,8 +80,8 @@ impl OnBackend for Reference {
 /// What passes took when traced in the order of a method, nanoseconds each, by [`Way::ALL`].
 struct Sorted {
     ways_ns: [Vec<u64>; 2],
-    /// The same over all passes, in the rounds that decide and no figure takes.
-    deciding_ns: [u64; 2],
+    /// The same over all passes, in the trial rounds, which no figure takes.
+    trial_ns: [u64; 2],
 }
 
 struct Pictures<'a> {
@@ -131,7 +131,7 @@ impl<B: Backend> Observer<B> for Pictures<'_> {
                 // What is not sorted is traced in canonical order.
                 let ns = sorted.map_or(trace_ns, |entry| entry.stages.totals(way).iter().sum());
                 method.ways_ns[at][pass] += ns;
-                method.deciding_ns[at] += sorted.map_or(0, |entry| entry.deciding_ns[at]);
+                method.trial_ns[at] += sorted.map_or(0, |entry| entry.trial_ns[at]);
             }
         }
         Ok(())
@@ -157,7 +157,7 @@ impl Pictures<'_> {
             self.shared_ns.iter().zip(traced_ns).map(|(&shared, &traced)| shared + traced).collect()
         };
         let unsorted = whole(&self.unsorted_ns);
-        let sorted = |Sorted { ways_ns, deciding_ns: [gathered, indices] }: &Sorted| {
+        let sorted = |Sorted { ways_ns, trial_ns: [gathered, indices] }: &Sorted| {
             whole(&ways_ns[usize::from(indices < gathered)])
         };
         let sorted: Vec<Vec<u64>> = self.methods.iter().map(sorted).collect();
