@@ -40,15 +40,13 @@ impl App {
         }) {
             self.is_help_open = !self.is_help_open;
         }
+        // A slow frame takes several.
+        let times = |key: Key| 0..ui.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));
         for (key, step) in [(Key::ArrowDown, 1), (Key::ArrowUp, -1)] {
-            if pressed(Modifiers::NONE, key) {
-                self.next_order(step, ui.ctx().cumulative_frame_nr());
-            }
+            times(key).for_each(|_| self.next_order(step, ui.ctx().cumulative_frame_nr()));
         }
         for (key, step) in [(Key::ArrowRight, 1), (Key::ArrowLeft, -1)] {
-            if pressed(Modifiers::NONE, key) {
-                self.next_bounce(step);
-            }
+            times(key).for_each(|_| self.next_bounce(step));
         }
     }
 

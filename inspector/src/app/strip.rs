@@ -102,11 +102,11 @@ impl Strip {
 /// Which rays of which recording.
 fn rays(ui: &mut Ui, context: &mut Context) {
     let Some(recording) = context.recording() else { return };
-    ui.label("Scene");
+    ui.label("Recording");
     let mut at = context.selection.recording;
     let open = context.recordings.iter().enumerate();
     let open = open.map(|(at, open)| (at, open.label.clone(), Some(open.dump.root().display().to_string())));
-    ui.scope(|ui| choose(ui, ("scene", &recording.label), &mut at, open.collect::<Vec<_>>()))
+    ui.scope(|ui| choose(ui, ("recording", &recording.label), &mut at, open.collect::<Vec<_>>()))
         .response
         .on_hover_text(facts(recording));
     let now = context.selection.queue;
@@ -116,11 +116,26 @@ fn rays(ui: &mut Ui, context: &mut Context) {
     let kinds = Kind::ALL.into_iter().map(|kind| (kind.name().to_owned(), QueueId { kind, ..now }));
     let passes: BTreeSet<u32> = recording.queues().iter().map(|record| record.id.pass).collect();
     let passes = passes.into_iter().map(|pass| (pass.to_string(), QueueId { pass, ..now }));
-    let rows =
-        [("Bounce", bounces.collect::<Vec<_>>()), ("Rays", kinds.collect()), ("Pass", passes.collect())];
-    for (name, choices) in rows.into_iter().filter(|(_, choices)| choices.len() > 1) {
+    let rows = [
+        (
+            "Bounce",
+            "0: the camera's rays; 1: those that leave the first surface",
+            bounces.collect::<Vec<_>>(),
+        ),
+        (
+            "Rays",
+            "closest: those that look for the nearest hit; shadow: those that ask for a light",
+            kinds.collect(),
+        ),
+        (
+            "Pass",
+            "Each pass has another sample of every pixel; methods are measured in the last",
+            passes.collect(),
+        ),
+    ];
+    for (name, about, choices) in rows.into_iter().filter(|(_, _, choices)| choices.len() > 1) {
         ui.add_space(8.0);
-        ui.label(name);
+        ui.label(name).on_hover_text(about);
         for (text, choice) in choices {
             let button = egui::Button::selectable(choice == now, text);
             if ui.add_enabled(recording.queue(choice).is_some(), button).clicked() {

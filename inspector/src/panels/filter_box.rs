@@ -90,10 +90,9 @@ pub(super) fn said(context: &mut Context) -> Option<String> {
     let error = problem(context)?;
     let filter = &context.selection.filter;
     let last = filter.in_force().filter(|_| filter.error().is_some());
-    Some(match last {
-        Some(last) => format!("{error}; until then: {}", last.text()),
-        None => format!("{error}; until then: all rays"),
-    })
+    let meanwhile = last.map_or("all rays", |last| last.text());
+    let stop = if error.ends_with('?') { "" } else { ";" };
+    Some(format!("{error}{stop} until then: {meanwhile}"))
 }
 
 /// Says it.

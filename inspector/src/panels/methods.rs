@@ -29,7 +29,7 @@ const COLUMNS: [(&str, f32, &str); 7] = [
     (
         "net",
         52.0,
-        "Unsorted trace over all that tracing in this order takes, key and sort included, on the whole frame, as in the strip; \u{2248} is no significant difference",
+        "Unsorted trace over all that tracing in this order takes, key and sort included, on the whole frame, as in the strip; \u{2248} is no significant difference, ? no interval",
     ),
     (
         "trace",
@@ -39,7 +39,7 @@ const COLUMNS: [(&str, f32, &str); 7] = [
     (
         "by bounce",
         66.0,
-        "Net speedup from bounce to bounce of the selected kind of rays, all rows on one scale; the line across is 1: as fast as unsorted",
+        "Net speedup from bounce to bounce of the selected kind of rays, that of the trace where there is no net, all rows on one scale; the line across is 1: as fast as unsorted",
     ),
     (
         "area",
@@ -190,8 +190,11 @@ fn speedup(ui: &mut Ui, order: &RankedOrder, of: &Metric<SpeedupLine>) {
     match of {
         _ if order.method == UNSORTED => drop(plain(ui, times(1.0))),
         Metric::Known(line) => {
-            let is_level = [Verdict::NoSignificantDifference, Verdict::WithinControl].contains(&line.verdict);
-            let sign = if is_level { "\u{2248}" } else { "" };
+            let sign = match line.verdict {
+                Verdict::NoSignificantDifference | Verdict::WithinControl => "\u{2248}",
+                Verdict::Unknown => "?",
+                Verdict::Faster | Verdict::Slower => "",
+            };
             plain(ui, format!("{sign}{}", times(line.ratio))).on_hover_text(format!(
                 "{} {} (n = {})",
                 line.verdict.words(),
