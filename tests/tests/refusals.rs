@@ -120,10 +120,16 @@ fn parts_that_are_missing() {
     );
     let folder = tempdir().unwrap();
     fs::write(folder.path().join("a.glb"), glb(&triangle_json(), &triangle_bytes())).unwrap();
-    fs::write(folder.path().join("a.rayscope.toml"), "[[camera]]\nname = \"x\"\nfocus = 3\n").unwrap();
-    Program::Recorder
-        .run(folder.path(), "record a.glb --out x.raydump")
-        .failed_with(FAILED, &["a.rayscope.toml", "focus"]);
+    let far = "[[camera]]\nname = \"x\"\neye = [1e25, 0.0, 0.0]\ntarget = [0.0, 0.0, 0.0]\nup = [0.0, 1.0, 0.0]\nyfov_degrees = 60.0\n";
+    for (sidecar, words) in [
+        ("[[camera]]\nname = \"x\"\nfocus = 3\n", ["a.rayscope.toml", "focus"]),
+        (far, ["the camera stands at [1e25, 0.0, 0.0]", "at most 1.15"]),
+    ] {
+        fs::write(folder.path().join("a.rayscope.toml"), sidecar).unwrap();
+        Program::Recorder
+            .run(folder.path(), "record a.glb --out x.raydump --backend cpu")
+            .failed_with(FAILED, &words);
+    }
 }
 
 #[test]

@@ -286,7 +286,7 @@ fn what_cannot_be_replayed_is_refused() {
     fails(
         "replay bare.raydump --out y --backend cpu",
         FAILED,
-        &["rays.npy", "needs the rays, length tables and scene of a recording: ", "`--keep rays`"],
+        &["rays.npy", "needs the rays, length tables and scene of a recording: ", "`--keep hits,scene,rays`"],
     );
     run(folder.path(), "replay first.raydump --out again.raydump --backend cpu");
     // The source must be there, and be what it was.

@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use formats::folder::partial_of;
 use formats::manifest::{
     self, CalibrationRecord, DecisionRecord, End, Header, ImageDigest, Outcome, Place, Record,
 };
+use formats::ray::ORIGIN_LIMIT;
 use formats::reader::Dump;
 use formats::summary::Summary;
 use formats::text::counted;
@@ -142,6 +143,11 @@ impl<'a> Run<'a> {
         // The backend comes first: what does not fit a device is refused before anything is written.
         let kernel = self.kernel;
         let (bvh, source) = kernel.hierarchy(self.scene)?.unzip();
+        let eye = self.setup.camera.eye;
+        ensure!(
+            eye.iter().all(|along| along.abs() <= ORIGIN_LIMIT),
+            "the camera stands at {eye:?}, expected coordinates of at most {ORIGIN_LIMIT:e} either way"
+        );
         let setup = Arc::clone(&self.setup);
         let tracer = || bvh.as_ref().map(|bvh| Arc::new(CpuTracer::new(self.scene, bvh).with_kernel(kernel)));
         let model = |tracer| CacheModel { tracer, l2_bytes: self.options.device.l2_kib << 10 };
