@@ -87,7 +87,7 @@ fn words(ui: &mut egui::Ui) {
 
 /// What is wrong with the filter, if anything is, and what goes meanwhile.
 pub(super) fn said(context: &mut Context) -> Option<String> {
-    let error = problem(context)?;
+    let error = problem(context)?.to_string();
     let filter = &context.selection.filter;
     let last = filter.in_force().filter(|_| filter.error().is_some());
     let meanwhile = last.map_or("all rays", |last| last.text());
