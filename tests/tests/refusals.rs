@@ -127,7 +127,7 @@ fn parts_that_are_missing() {
     ] {
         fs::write(folder.path().join("a.rayscope.toml"), sidecar).unwrap();
         Program::Recorder
-            .run(folder.path(), "record a.glb --out x.raydump --backend cpu")
+            .run(folder.path(), "record a.glb --out x.raydump --backend cpu --camera x")
             .failed_with(FAILED, &words);
     }
 }
