@@ -66,17 +66,21 @@ fn record(folder: &Path, scene: &str) -> Dump {
     Dump::open(&folder.join("a.raydump")).unwrap()
 }
 
+/// A recording of a scene with its hierarchy, the tracer that goes through it, and where its blocks start.
+fn walked(folder: &Path, scene: &str) -> (Dump, Hierarchy, CpuTracer, Vec<u64>) {
+    let dump = record(folder, scene);
+    let scene = scenes::load(scene).unwrap();
+    let (bvh, _) = TraceKernel::Wide.hierarchy(&scene).unwrap().unwrap();
+    let (hierarchy, blocks) = (Hierarchy::open(&dump).unwrap(), blocks_of_leaves(&dump));
+    (dump, hierarchy, CpuTracer::new(&scene, &bvh), blocks)
+}
+
 #[test]
 fn ways_through_the_hierarchy_are_the_trails_of_the_tracer() {
     // With holes, whose hits do not count, and without.
     for name in ["builtin:atrium", "builtin:cornell"] {
         let folder = tempdir().unwrap();
-        let dump = record(folder.path(), name);
-        let hierarchy = Hierarchy::open(&dump).unwrap();
-        let scene = scenes::load(name).unwrap();
-        let (bvh, _) = TraceKernel::Wide.hierarchy(&scene).unwrap().unwrap();
-        let tracer = CpuTracer::new(&scene, &bvh);
-        let blocks = blocks_of_leaves(&dump);
+        let (dump, hierarchy, tracer, blocks) = walked(folder.path(), name);
         let mut compared = 0;
         for queue in &dump.manifest().queues {
             let traced = Traced::open(&dump, queue.id).unwrap();
@@ -102,12 +106,7 @@ fn ways_through_the_hierarchy_are_the_trails_of_the_tracer() {
 fn ways_from_planes_of_boxes_are_those_of_the_tracer() {
     let name = "builtin:atrium";
     let folder = tempdir().unwrap();
-    let dump = record(folder.path(), name);
-    let hierarchy = Hierarchy::open(&dump).unwrap();
-    let scene = scenes::load(name).unwrap();
-    let (bvh, _) = TraceKernel::Wide.hierarchy(&scene).unwrap().unwrap();
-    let tracer = CpuTracer::new(&scene, &bvh);
-    let blocks = blocks_of_leaves(&dump);
+    let (dump, hierarchy, tracer, blocks) = walked(folder.path(), name);
     let queue = dump.manifest().queues.iter().find(|queue| queue.id.bounce == 1).unwrap().id;
     let traced = Traced::open(&dump, queue).unwrap();
     for ray in traced.rays().iter().step_by(7) {
@@ -128,12 +127,7 @@ fn ways_from_planes_of_boxes_are_those_of_the_tracer() {
 fn ways_past_edges_of_boxes_are_those_of_the_tracer() {
     let name = "builtin:cornell";
     let folder = tempdir().unwrap();
-    let dump = record(folder.path(), name);
-    let hierarchy = Hierarchy::open(&dump).unwrap();
-    let scene = scenes::load(name).unwrap();
-    let (bvh, _) = TraceKernel::Wide.hierarchy(&scene).unwrap().unwrap();
-    let tracer = CpuTracer::new(&scene, &bvh);
-    let blocks = blocks_of_leaves(&dump);
+    let (_dump, hierarchy, tracer, blocks) = walked(folder.path(), name);
     let boxes: Vec<_> = (0..CHILDREN).map(|place| hierarchy.bounds(Some(place))).collect();
     let boxes: Vec<_> = boxes.into_iter().filter(|[low, _]| low[0].is_finite()).collect();
     let mut random = fastrand::Rng::with_seed(2);

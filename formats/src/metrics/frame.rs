@@ -300,13 +300,10 @@ impl Frame {
             }
         };
         let Some((low, high)) = net.interval else {
-            let so = if ratio > 1.0 {
-                "so that it may be chance"
-            } else {
-                "but nothing was faster than unsorted rays"
-            };
+            let so =
+                if ratio > 1.0 { "which may be chance" } else { "but nothing was faster than unsorted rays" };
             return format!(
-                "The best net speedup is that of {name}, {ratio:.2}×; fewer than 6 repeats have no interval, {so}{error}."
+                "The best net speedup is that of {name}, {ratio:.2}×, {so} (fewer than 6 repeats have no interval){error}."
             );
         };
         let with = |verdict: &str| known().filter(|(row, _)| row.verdict == verdict).count();
@@ -531,12 +528,14 @@ mod tests {
         let few = |ratio| meaning(Some(Speedup { ratio, interval: None }), "");
         assert!(few(2.0).contains("fewer than 6 repeats") && few(2.0).contains("chance"));
         assert!(few(0.9).contains("nothing was faster"));
+        // What the window shows of it ends at a semicolon.
+        assert!(!few(2.0).contains(';'), "{}", few(2.0));
         let rough = row("aila", Some(Speedup { ratio: 1.1, interval: None }), "");
         let rough = Frame { instrument_errors: [0.0, 0.58], ..frame(vec![rough]) };
         assert!(
             rough
                 .meaning()
-                .ends_with("chance; over all bounces the control of shadow rays is off by 58.0 %.")
+                .ends_with("no interval); over all bounces the control of shadow rays is off by 58.0 %.")
         );
         let alone = FrameRow { secondary: None, ..row("auto", None, LEFT_ALONE) };
         assert!(frame(vec![alone]).meaning().contains("auto left all of these rays alone"));
