@@ -144,7 +144,8 @@ fn distribution(
         let points = quantiles.map(|(at, area)| [area.max(LEAST_AREA).log10(), 100.0 * at as f64 / steps]);
         let (colour, width) = style.map_or((theme.left_out(), 1.0), |style| (theme.series(style), 3.0));
         let line = Line::new(order.method.clone(), points.collect::<PlotPoints<'_>>());
-        Some((style.is_some(), line.color(colour).width(width)))
+        // A band would fill the steps of a few groups.
+        Some((style.is_some(), line.color(colour).width(width).allow_band(false)))
     };
     let mut lines: Vec<(bool, Line<'_>)> = orders.iter().zip(styles).filter_map(line).collect();
     // A and B are drawn over the others.
