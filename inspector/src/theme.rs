@@ -3,6 +3,7 @@
 use egui::{Color32, Theme as Mode};
 use formats::manifest::Stage;
 
+use crate::analysis::timing::Verdict;
 use crate::figures::style;
 
 /// A colour as shaders take it: red, green, blue, alpha, 0 to 1, in sRGB.
@@ -20,11 +21,20 @@ pub const HOLLOW: Color32 = Color32::TRANSPARENT;
 /// Size of small text, points: still read on a screen of low resolution.
 const SMALL_TEXT: f32 = 11.0;
 
+/// Text on a dark page, and how much of the colour of text is left where it is weak: it stands out from the page by
+/// 4.5 to 1 all the same (WCAG 2.1).
+const DARK_TEXT: Color32 = Color32::from_gray(190);
+const WEAK_TEXT: f32 = 0.8;
+
 /// Sets what light and dark windows have in common.
 pub fn set_up(context: &egui::Context) {
     context.all_styles_mut(|style| {
         if let Some(font) = style.text_styles.get_mut(&egui::TextStyle::Small) {
             font.size = SMALL_TEXT;
+        }
+        style.visuals.weak_text_alpha = WEAK_TEXT;
+        if style.visuals.dark_mode {
+            style.visuals.widgets.noninteractive.fg_stroke.color = DARK_TEXT;
         }
     });
 }
@@ -102,9 +112,15 @@ impl Theme {
         self.pick(Color32::from_rgb(0xff, 0x8a, 0x70), Color32::from_rgb(0xb0, 0x20, 0x10))
     }
 
-    /// What is faster.
-    pub fn faster(self) -> Color32 {
-        self.pick(Color32::from_rgb(0x4f, 0xd6, 0xa4), Color32::from_rgb(0x00, 0x74, 0x52))
+    /// What is surely faster or slower; `None` where it may be chance.
+    pub fn verdict(self, verdict: Verdict) -> Option<Color32> {
+        match verdict {
+            Verdict::Faster => {
+                Some(self.pick(Color32::from_rgb(0x4f, 0xd6, 0xa4), Color32::from_rgb(0x00, 0x74, 0x52)))
+            }
+            Verdict::Slower => Some(self.problem()),
+            Verdict::NoSignificantDifference | Verdict::WithinControl | Verdict::Unknown => None,
+        }
     }
 
     /// Text about a series: its colour, darker where it could not be read on a light page.
@@ -142,5 +158,27 @@ impl Theme {
         ];
         let on_light = style::style(style::STAGE_STYLES + place).colour.0;
         opaque(self.pick(ON_DARK[place % ON_DARK.len()], on_light))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weak_text_can_be_read() {
+        let context = egui::Context::default();
+        set_up(&context);
+        let luminance = |colour: Color32| {
+            let [red, green, blue, _] = egui::Rgba::from(colour).to_array();
+            0.2126 * red + 0.7152 * green + 0.0722 * blue + 0.05
+        };
+        for mode in [Mode::Dark, Mode::Light] {
+            let visuals = context.style_of(mode).visuals.clone();
+            let page = visuals.panel_fill;
+            let [text, page] = [page.blend(visuals.weak_text_color()), page].map(luminance);
+            let contrast = text.max(page) / text.min(page);
+            assert!(contrast >= 4.5, "{mode:?}: {contrast}");
+        }
     }
 }

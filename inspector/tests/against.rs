@@ -248,7 +248,6 @@ fn an_order_of_other_rays_is_found_and_comes_back() {
     let (_folder, context) = at_first();
     let mut harness = panel("methods", context);
     assert!(!harness.state().context.methods().contains(&THEIRS.to_owned()));
-    harness.get_by_label("shadow only");
     let row = harness.get_by_label(THEIRS).rect().center();
     click(&mut harness, row);
     let context = &mut harness.state_mut().context;
@@ -379,5 +378,5 @@ fn a_session_of_before_has_its_two_orders() {
     assert!(context.problems.is_empty(), "{:?}", context.problems);
     let selection = &context.selection;
     assert_eq!((selection.baseline.method.as_str(), selection.method.as_str()), ("mine", "aila"));
-    assert!(reads(&harness, "by bounce"), "the table of methods is not there");
+    assert!(reads(&harness, "secondary"), "the table of methods is not there");
 }

@@ -8,7 +8,7 @@ use formats::ray::Kind;
 use super::coherence::{Coherence, LaneUtilisation, of_warp};
 use super::summary::RayClass;
 use super::timing::{SpeedupLine, Verdict};
-use super::{Metric, OrderAnalysis, RecordingAnalysis, Versus};
+use super::{Metric, QueueAnalysis, RecordingAnalysis, Versus};
 
 /// One of the orders. Speedups are over unsorted rays, on the whole frame: closest and shadow rays of all bounces.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,15 +19,25 @@ pub struct RankedOrder {
     pub net: Metric<SpeedupLine>,
     /// Of the trace alone.
     pub trace: Metric<SpeedupLine>,
-    /// Net speedup of each bounce of the selected kind, or of the kind that it orders; that of the trace where there is
-    /// none.
-    pub by_bounce: Vec<(u32, f64)>,
+    /// The net speedup again, of secondary and of shadow rays.
+    pub by_rays: [GainOn; RayClass::ALL.len()],
     /// Of a queue: mean capsule area over that of unsorted rays; `None` while it is awaited.
     pub area: Option<Metric<f64>>,
     /// Of a queue: how much of a warp of 32 works; a model. `None` while it is awaited.
     pub lanes: Option<Metric<f64>>,
     /// Which rays it orders where those of the queue are not.
     pub elsewhere: Option<Elsewhere>,
+}
+
+/// What an order gains net on some of the rays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GainOn {
+    /// These.
+    pub rays: RayClass,
+    /// Over all their bounces.
+    pub all: Metric<SpeedupLine>,
+    /// On each bounce where it is known.
+    pub by_bounce: Vec<(u32, SpeedupLine)>,
 }
 
 /// Rays that an order has where a queue is not ordered by it.
@@ -64,26 +74,28 @@ pub fn best<'a>(over_unsorted: &[(String, Versus)], methods: &[&'a String]) -> O
 }
 
 impl RankedOrder {
-    /// What was measured of a method, on the whole frame and bounce by bounce of some rays; nothing, for this reason,
-    /// where it was not.
+    /// What was measured of a method; nothing, for this reason, where it was not.
     pub fn timed(
         times: Option<&RecordingAnalysis>,
         frame: Option<&Versus>,
-        rays: RayClass,
         method: String,
         reason: &str,
     ) -> Self {
         let line = |of: Option<&Metric<SpeedupLine>>| of.cloned().unwrap_or_else(|| Metric::missing(reason));
-        let queues = times.into_iter().flat_map(|recording| recording.measured_of(rays));
-        let gain = |order: &OrderAnalysis| {
-            order.net_speedup.known().or(order.trace_speedup.known()).map(|line| line.ratio)
+        let on = |rays: RayClass| {
+            let all = times.and_then(|recording| recording.frame(rays, &method));
+            let queues = times.into_iter().flat_map(|recording| recording.measured_of(rays));
+            let net = |queue: &QueueAnalysis| queue.order(&method)?.net_speedup.known().cloned();
+            GainOn {
+                rays,
+                all: line(all.map(|frame| &frame.net_speedup)),
+                by_bounce: queues.filter_map(|queue| Some((queue.bounce, net(queue)?))).collect(),
+            }
         };
         Self {
             net: line(frame.map(|frame| &frame.net)),
             trace: line(frame.map(|frame| &frame.trace)),
-            by_bounce: queues
-                .filter_map(|queue| Some((queue.bounce, gain(queue.order(&method)?)?)))
-                .collect(),
+            by_rays: RayClass::ALL.map(on),
             area: None,
             lanes: None,
             elsewhere: None,
@@ -151,7 +163,7 @@ mod tests {
             method: method.to_owned(),
             net: line(net),
             trace: line(trace),
-            by_bounce: Vec::new(),
+            by_rays: RayClass::ALL.map(|rays| GainOn { rays, all: line(None), by_bounce: Vec::new() }),
             area: area.map(Metric::Known),
             lanes: None,
             elsewhere: None,

@@ -217,11 +217,7 @@ fn speedup(ui: &mut Ui, line: &Metric<SpeedupLine>, (what, about): (&str, &str),
     let theme = Theme::of(ui.ctx());
     match line {
         Metric::Known(line) => {
-            let colour = match line.verdict {
-                Verdict::Faster => theme.faster(),
-                Verdict::Slower => theme.problem(),
-                _ => ui.visuals().strong_text_color(),
-            };
+            let colour = theme.verdict(line.verdict).unwrap_or(ui.visuals().strong_text_color());
             ui.label(RichText::new(times(line.ratio)).size(size).color(colour));
             ui.label(what);
             let said = match line.verdict {

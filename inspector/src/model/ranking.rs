@@ -9,7 +9,6 @@ use super::context::Context;
 use super::what_if::WHAT_IF;
 use crate::analysis::Metric;
 use crate::analysis::ranking::{Elsewhere, RankedOrder, rank};
-use crate::analysis::summary::RayClass;
 
 impl Context {
     /// How coherent each order of the queue is, that of *What if* too, as far as it is known; and how many there are.
@@ -39,7 +38,6 @@ impl Context {
         let unknown = coherences.as_ref().err().cloned();
         let known = coherences.unwrap_or_default();
         let Some(recording) = self.recording() else { return Vec::new() };
-        let rays = RayClass::of_kind(self.selection.queue.kind);
         let times = recording.times.as_ref();
         let of = |name: &str| known.iter().find(|order| order.method == name);
         let unsorted = of(UNSORTED).map(|order| &order.coherence);
@@ -52,7 +50,7 @@ impl Context {
             };
             let found = of(&method);
             let frame = recording.over_unsorted(&method);
-            let order = RankedOrder::timed(times, frame, rays, method, reason);
+            let order = RankedOrder::timed(times, frame, method, reason);
             match (found, &unknown) {
                 (Some(found), _) => order.with(&found.coherence, &found.lanes, unsorted),
                 (None, Some(Absent::Impossible(why))) => {
@@ -70,7 +68,7 @@ impl Context {
                 Kind::Closest => (Elsewhere::OtherKind(kind), "it orders closest rays alone"),
                 Kind::Shadow => (Elsewhere::OtherKind(kind), "it orders shadow rays alone"),
             };
-            let order = RankedOrder::timed(times, frame, RayClass::of_kind(kind), method, why);
+            let order = RankedOrder::timed(times, frame, method, why);
             let order = order.with(&Metric::missing(why), &Metric::missing(why), None);
             RankedOrder { elsewhere: Some(elsewhere), ..order }
         };

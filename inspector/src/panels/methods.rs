@@ -1,13 +1,13 @@
 //! All orders in one table, the one that gains most on the whole frame first: a click makes one B, with shift A.
 
-use egui::{Align, Label, Layout, RichText, Ui, pos2, vec2};
+use egui::{Align, Label, Layout, RichText, Ui};
 use egui_extras::{Column, TableBuilder, TableRow};
 use formats::key::method::{CONTROL, UNSORTED};
 use formats::ray::Kind;
 
 use super::notes::{hint, swatch};
 use crate::analysis::Metric;
-use crate::analysis::ranking::{Elsewhere, RankedOrder};
+use crate::analysis::ranking::{Elsewhere, GainOn, RankedOrder};
 use crate::analysis::timing::{SpeedupLine, Verdict};
 use crate::model::Context;
 use crate::model::what_if::WHAT_IF;
@@ -19,27 +19,25 @@ use crate::theme::Theme;
 
 /// Height of a row, points.
 const ROW: f32 = 20.0;
-/// What lines by bounce reach from 1 at least, so that what noise does looks small.
-const LEAST_REACH: f64 = 1.1;
-
 /// Names of the columns, their widths in points, and what they are.
-const COLUMNS: [(&str, f32, &str); 7] = [
+const COLUMNS: [(&str, f32, &str); 8] = [
     ("", 20.0, "Which of the orders are A and B"),
     ("method", 0.0, "How rays are sorted; unsorted is the order of pixels"),
     (
         "net",
-        52.0,
+        54.0,
         "Unsorted trace over all that tracing in this order takes, key and sort included, on the whole frame, as in the strip; \u{2248} is no significant difference, ? no interval",
     ),
     (
-        "trace",
-        52.0,
-        "Unsorted trace over the trace of rays gathered in this order, on the whole frame; net may trace them through indices, and then be the larger one",
+        "secondary",
+        68.0,
+        "The net speedup of secondary rays: closest rays after the camera's; by bounce on hover",
     ),
+    ("shadow", 54.0, "The net speedup of shadow rays; by bounce on hover"),
     (
-        "by bounce",
-        66.0,
-        "Net speedup from bounce to bounce of the selected kind of rays, that of the trace where there is no net, all rows on one scale; the line across is 1: as fast as unsorted",
+        "trace",
+        54.0,
+        "Unsorted trace over the trace of rays gathered in this order, on the whole frame; net may trace them through indices, and then be the larger one",
     ),
     (
         "area",
@@ -68,8 +66,6 @@ impl Panel for MethodsPanel {
             ui.label(first).on_hover_text(&verdict);
         }
         ui.weak("Speedups over unsorted rays, whole frame. Click: B. Shift-click: A.");
-        let by_bounce = ranking.iter().flat_map(|order| &order.by_bounce).filter(|(_, ratio)| *ratio > 0.0);
-        let reach = by_bounce.map(|(_, ratio)| ratio.log2().abs()).fold(LEAST_REACH.log2(), f64::max);
         let mut chosen = None;
         egui::ScrollArea::horizontal().auto_shrink([false, false]).show(ui, |ui| {
             let mut table = TableBuilder::new(ui)
@@ -86,7 +82,7 @@ impl Panel for MethodsPanel {
                 body.rows(ROW, ranking.len(), |mut row| {
                     let order = &ranking[row.index()];
                     row.set_selected(order.method == context.selection.method);
-                    cells(&mut row, order, reach, context);
+                    cells(&mut row, order, context);
                     if row.response().clicked() {
                         chosen = Some(order.method.clone());
                     }
@@ -112,7 +108,9 @@ impl Panel for MethodsPanel {
             };
             let of_rays = [order.area.as_ref(), order.lanes.as_ref()];
             let of_rays = of_rays.map(|of| number(of.and_then(Metric::known).copied()));
-            let numbers = speedup(&order.net).into_iter().chain(speedup(&order.trace)).chain(of_rays);
+            let speedups =
+                [&order.net, &order.trace].into_iter().chain(order.by_rays.iter().map(|on| &on.all));
+            let numbers = speedups.flat_map(speedup).chain(of_rays);
             std::iter::once(order.method.clone()).chain(numbers).collect()
         };
         let header = [
@@ -123,6 +121,12 @@ impl Panel for MethodsPanel {
             "trace_speedup",
             "trace_speedup_low",
             "trace_speedup_high",
+            "secondary_net_speedup",
+            "secondary_net_speedup_low",
+            "secondary_net_speedup_high",
+            "shadow_net_speedup",
+            "shadow_net_speedup_low",
+            "shadow_net_speedup_high",
             "capsule_area_ratio",
             "simd_utilisation_32",
         ];
@@ -138,7 +142,7 @@ fn header(mut row: TableRow<'_, '_>) {
     }
 }
 
-fn cells(row: &mut TableRow<'_, '_>, order: &RankedOrder, reach: f64, context: &Context) {
+fn cells(row: &mut TableRow<'_, '_>, order: &RankedOrder, context: &Context) {
     let style = context.style_of(&order.method);
     let selection = &context.selection;
     let is_a = selection.baseline.recording.is_none() && selection.baseline.method == order.method;
@@ -151,21 +155,23 @@ fn cells(row: &mut TableRow<'_, '_>, order: &RankedOrder, reach: f64, context: &
         swatch(ui, style);
         let name = RichText::new(if order.method == CONTROL { "control: 1 is right" } else { &order.method });
         let name = if is_b { name.strong() } else { name };
-        ui.add(Label::new(name).selectable(false).truncate()).on_hover_text(about(context, &order.method));
-        if let Some(elsewhere) = order.elsewhere {
-            let only = match elsewhere {
-                Elsewhere::OtherBounces => "other bounces",
-                Elsewhere::OtherKind(Kind::Closest) => "closest only",
-                Elsewhere::OtherKind(Kind::Shadow) => "shadow only",
-            };
-            let only = Label::new(RichText::new(only).weak().small()).selectable(false);
-            ui.add(only).on_hover_text("A click goes to these rays");
-        }
+        let name = if order.elsewhere.is_some() { name.weak() } else { name };
+        let goes = match order.elsewhere {
+            None => "",
+            Some(Elsewhere::OtherBounces) => "\nIt orders other bounces: a click goes there",
+            Some(Elsewhere::OtherKind(Kind::Closest)) => {
+                "\nIt orders closest rays alone: a click goes to them"
+            }
+            Some(Elsewhere::OtherKind(Kind::Shadow)) => "\nIt orders shadow rays alone: a click goes to them",
+        };
+        let about = about(context, &order.method) + goes;
+        ui.add(Label::new(name).selectable(false).truncate()).on_hover_text(about);
     });
-    for of in [&order.net, &order.trace] {
-        row.col(|ui| speedup(ui, order, of));
+    row.col(|ui| speedup(ui, order, &order.net, None));
+    for on in &order.by_rays {
+        row.col(|ui| speedup(ui, order, &on.all, Some(on)));
     }
-    row.col(|ui| sparkline(ui, &order.by_bounce, reach, Theme::of(ui.ctx()).series(style)));
+    row.col(|ui| speedup(ui, order, &order.trace, None));
     row.col(|ui| of_rays(ui, order.area.as_ref(), times));
     row.col(|ui| of_rays(ui, order.lanes.as_ref(), |lanes| format!("{:.0} %", 100.0 * lanes)));
 }
@@ -186,24 +192,35 @@ fn none(ui: &mut Ui, why: &str) {
     plain(ui, RichText::new("\u{2013}").weak()).on_hover_text(why);
 }
 
-fn speedup(ui: &mut Ui, order: &RankedOrder, of: &Metric<SpeedupLine>) {
+/// A speedup in the colour of its verdict; how sure it is, and what it is on each bounce, on hover.
+fn speedup(ui: &mut Ui, order: &RankedOrder, of: &Metric<SpeedupLine>, by_bounce: Option<&GainOn>) {
     match of {
         _ if order.method == UNSORTED => drop(plain(ui, times(1.0))),
         Metric::Known(line) => {
-            let sign = match line.verdict {
-                Verdict::NoSignificantDifference | Verdict::WithinControl => "\u{2248}",
-                Verdict::Unknown => "?",
-                Verdict::Faster | Verdict::Slower => "",
+            let text = RichText::new(marked(line));
+            let text = match Theme::of(ui.ctx()).verdict(line.verdict) {
+                Some(colour) if order.method != CONTROL => text.color(colour),
+                _ => text,
             };
-            plain(ui, format!("{sign}{}", times(line.ratio))).on_hover_text(format!(
-                "{} {} (n = {})",
-                line.verdict.words(),
-                line.interval_text(),
-                line.n
-            ));
+            let sure = format!("{} {} (n = {})", line.verdict.words(), line.interval_text(), line.n);
+            let bounces = by_bounce.into_iter().flat_map(|on| &on.by_bounce);
+            let bounces = bounces.map(|(bounce, line)| {
+                format!("\nbounce {bounce}: {} {}", marked(line), line.interval_text())
+            });
+            plain(ui, text).on_hover_text(sure + &bounces.collect::<String>());
         }
         Metric::Missing { missing } => none(ui, missing),
     }
+}
+
+/// A speedup, and whether it may be chance.
+fn marked(line: &SpeedupLine) -> String {
+    let sign = match line.verdict {
+        Verdict::NoSignificantDifference | Verdict::WithinControl => "\u{2248}",
+        Verdict::Unknown => "?",
+        Verdict::Faster | Verdict::Slower => "",
+    };
+    format!("{sign}{}", times(line.ratio))
 }
 
 fn of_rays(ui: &mut Ui, of: Option<&Metric<f64>>, text: fn(f64) -> String) {
@@ -212,28 +229,4 @@ fn of_rays(ui: &mut Ui, of: Option<&Metric<f64>>, text: fn(f64) -> String) {
         Some(Metric::Known(number)) => drop(plain(ui, text(*number))),
         Some(Metric::Missing { missing }) => none(ui, missing),
     }
-}
-
-/// Speedups from bounce to bounce, on a logarithmic scale that reaches as far up from 1 as down.
-fn sparkline(ui: &mut Ui, by_bounce: &[(u32, f64)], reach: f64, colour: egui::Color32) {
-    let (rect, response) = ui.allocate_exact_size(vec2(58.0, ROW - 4.0), egui::Sense::hover());
-    if by_bounce.is_empty() {
-        return;
-    }
-    let said = by_bounce.iter().map(|(bounce, ratio)| format!("bounce {bounce}: {}", times(*ratio)));
-    response.on_hover_text(said.collect::<Vec<_>>().join("\n"));
-    let y_of = |ratio: f64| {
-        let part = 0.5 - 0.5 * (ratio.max(f64::MIN_POSITIVE).log2() / reach).clamp(-1.0, 1.0) as f32;
-        rect.top() + part * rect.height()
-    };
-    let weak = ui.visuals().weak_text_color().gamma_multiply(0.5);
-    ui.painter().hline(rect.x_range(), y_of(1.0), egui::Stroke::new(1.0, weak));
-    let step = rect.width() / by_bounce.len().saturating_sub(1).max(1) as f32;
-    let points = by_bounce.iter().enumerate();
-    let points: Vec<egui::Pos2> =
-        points.map(|(at, (_, ratio))| pos2(rect.left() + at as f32 * step, y_of(*ratio))).collect();
-    if let [only] = points[..] {
-        ui.painter().circle_filled(only, 2.5, colour);
-    }
-    ui.painter().line(points, egui::Stroke::new(2.0, colour));
 }

@@ -7,7 +7,7 @@ use formats::key::method::UNSORTED;
 use formats::manifest::{LEFT_ALONE, Stage};
 
 use super::notes::{hint, legend, name_at, still};
-use crate::analysis::timing::{Verdict, stacked, stage_name};
+use crate::analysis::timing::{stacked, stage_name};
 use crate::analysis::{OrderAnalysis, QueueAnalysis};
 use crate::model::Context;
 use crate::panels::data::Data;
@@ -140,10 +140,8 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
             }
             for (row, (order, _)) in orders.iter().enumerate() {
                 let Some(net) = order.net_speedup.known() else { continue };
-                let colour = match net.verdict {
-                    Verdict::Faster if !order.is_left_alone() => theme.faster(),
-                    _ => theme.reference(),
-                };
+                let verdict = theme.verdict(net.verdict).filter(|_| !order.is_left_alone());
+                let colour = verdict.unwrap_or(theme.reference());
                 let text =
                     if order.is_left_alone() { LEFT_ALONE.to_owned() } else { format!("{:.2}×", net.ratio) };
                 let text = RichText::new(format!("  {text}")).color(colour);
