@@ -136,6 +136,10 @@ fn the_ray_panel_says_what_a_path_carries() {
     // As the sample has it at bounces 0 and 1.
     harness.get_by_label("1.000 1.000 1.000");
     harness.get_by_label("1.000 0.500 1.000");
+    // The places of the ray in A and B, with its key.
+    harness.get_by_label("0 by unsorted");
+    let place = harness.state_mut().context.awaited_order().unwrap().place_of_ray()[0];
+    harness.get_by_label_contains(&format!("{place} by two-point, key "));
 
     // What cannot be read is said, not taken for what was not kept.
     let (_folder, mut context) = sampled("two-point");

@@ -15,6 +15,7 @@ use crate::model::{Absent, Context, Order};
 use crate::output::count;
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
+use crate::shown;
 use crate::theme::Theme;
 
 const PATH_COLUMNS: [(&str, &str); 6] = [
@@ -43,7 +44,8 @@ impl Panel for RayPanel {
             return hint(ui, "choose a ray: click a pixel, a row, a cell or a line in space");
         };
         egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
-            lines(ui, "geometry", &facts(&order, ray));
+            let rows = [places(context, &order, ray), facts(&order, ray)].concat();
+            lines(ui, "geometry", &rows);
             ui.separator();
             key(ui, &order, ray);
             ui.separator();
@@ -56,7 +58,8 @@ impl Panel for RayPanel {
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
         let order = context.order()?;
         let ray = context.selection.ray.filter(|&ray| ray < order.len()).ok_or("no ray is chosen")?;
-        let facts = facts(&order, ray).into_iter().map(|(name, value)| vec![name.to_owned(), value]);
+        let facts = [places(context, &order, ray), facts(&order, ray)].concat();
+        let facts = facts.into_iter().map(|(name, value)| vec![name.to_owned(), value]);
         let key = ReadKey::of(&order, ray).ok();
         let bits = key.as_ref().map(|key| vec!["key".to_owned(), key.hexadecimal()]);
         let fields = key
@@ -125,12 +128,25 @@ fn lines(ui: &mut egui::Ui, name: &'static str, rows: &[(&str, String)]) {
     });
 }
 
+/// Where a ray is in order A, if that is of the same recording, and in order B; with its keys.
+fn places(context: &mut Context, b: &Arc<Order>, ray: usize) -> Vec<(&'static str, String)> {
+    let is_own = context.selection.baseline.recording.is_none();
+    let a = is_own.then(|| context.of_baseline(|_| None, |context| context.order().ok())).flatten();
+    let row = |(name, order): (&'static str, Arc<Order>)| {
+        let place = count(u64::from(*order.place_of_ray().get(ray)?));
+        let key =
+            ReadKey::of(&order, ray).map_or(String::new(), |key| format!(", key {}", key.hexadecimal()));
+        Some((name, format!("{place} by {}{key}", shown::name(&order.method))))
+    };
+    let a = a.filter(|a| a.method != b.method).map(|a| ("place in A", a));
+    a.into_iter().chain([("place in B", b.clone())]).filter_map(row).collect()
+}
+
 /// What there is to say of a ray, without its key.
 fn facts(order: &Order, index: usize) -> Vec<(&'static str, String)> {
     let queue = &order.queue;
     let ray = &queue.traced.rays()[index];
     let vector = |[x, y, z]: [f32; 3]| format!("{x:.4} {y:.4} {z:.4}");
-    let place = order.place_of_ray()[index];
     let result = match queue.traced.results() {
         Results::Hits(hits) if hits[index].is_hit() => format!("triangle {}", hits[index].triangle),
         Results::Hits(_) => "no triangle".to_owned(),
@@ -141,7 +157,6 @@ fn facts(order: &Order, index: usize) -> Vec<(&'static str, String)> {
     };
     let mut rows = vec![
         ("ray", format!("{} of {}", count(index as u64), count(order.len() as u64))),
-        ("place", count(u64::from(place))),
         ("origin", vector(ray.origin)),
         ("unit space", vector(queue.traced.unit().point(ray.origin))),
         ("direction", vector(ray.direction)),
