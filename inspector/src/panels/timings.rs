@@ -81,16 +81,19 @@ fn milliseconds(order: &OrderAnalysis, stage: Stage) -> f64 {
 
 fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
     let theme = Theme::of(ui.ctx());
-    // From below: the slowest, …, the fastest, unsorted.
+    // From below: what gains least, …, what gains most, unsorted; by the net speedup at the right, where there is one.
     let total = |order: &OrderAnalysis| stacked().map(|(_, stage)| milliseconds(order, stage)).sum::<f64>();
     let mut orders: Vec<(&OrderAnalysis, f64)> =
         queue.orders.iter().map(|order| (order, total(order))).collect();
-    orders.sort_by(|(a, a_takes), (b, b_takes)| {
-        (a.method == UNSORTED).cmp(&(b.method == UNSORTED)).then(b_takes.total_cmp(a_takes))
-    });
+    let break_even = orders.iter().find(|(order, _)| order.method == UNSORTED).map(|(_, takes)| *takes);
+    let gain = |(order, takes): &(&OrderAnalysis, f64)| match order.net_speedup.known() {
+        _ if order.method == UNSORTED => f64::INFINITY,
+        Some(net) => net.ratio,
+        None => break_even.unwrap_or(1.0) / takes,
+    };
+    orders.sort_by(|a, b| gain(a).total_cmp(&gain(b)));
     let mut charts: Vec<BarChart> = Vec::new();
     let names: Vec<String> = orders.iter().map(|(order, _)| order.method.clone()).collect();
-    let break_even = orders.last().filter(|(order, _)| order.method == UNSORTED).map(|(_, takes)| *takes);
     let line = ui.horizontal_wrapped(|ui| {
         ui.label(format!("Bounce {}, {} rays:", queue.bounce, queue.kind));
         for (at, stage) in stacked() {
