@@ -141,6 +141,13 @@ fn the_ray_panel_says_what_a_path_carries() {
     let place = harness.state_mut().context.awaited_order().unwrap().place_of_ray()[0];
     harness.get_by_label_contains(&format!("{place} by two-point, key "));
 
+    // Whose order it is that `auto` gave.
+    let (_folder, mut context) = sampled("auto");
+    context.select_ray(Some(0));
+    let mut harness = panel("ray", context);
+    settle(&mut harness);
+    harness.get_by_label_contains("auto has no key of its own: it gave these rays aila, 16 bits");
+
     // What cannot be read is said, not taken for what was not kept.
     let (_folder, mut context) = sampled("two-point");
     context.select_ray(Some(0));

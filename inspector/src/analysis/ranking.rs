@@ -130,12 +130,19 @@ impl RankedOrder {
         if self.method == UNSORTED { Some(1.0) } else { of.known().map(|line| line.ratio) }
     }
 
-    /// By net speedup, then by that of the trace, then by area; what is not known comes last.
+    /// What surely pays, as [`best`] has it; by net speedup, then by that of the trace, then by area; what is not known
+    /// comes last.
     fn by_gain(&self, other: &Self) -> Ordering {
         let largest =
             |of: fn(&Self) -> &Metric<SpeedupLine>| descending(self.gain(of(self)), other.gain(of(other)));
         let area = |order: &Self| order.area.as_ref().and_then(Metric::known).map(|area| -area);
-        largest(|order| &order.net)
+        let pays = |order: &Self| {
+            let is_faster = order.net.known().is_some_and(|line| line.verdict == Verdict::Faster);
+            is_faster && !REFERENCES.contains(&order.method.as_str())
+        };
+        pays(other)
+            .cmp(&pays(self))
+            .then_with(|| largest(|order| &order.net))
             .then_with(|| largest(|order| &order.trace))
             .then_with(|| descending(area(self), area(other)))
     }
@@ -172,7 +179,10 @@ mod tests {
 
     #[test]
     fn the_best_net_is_first_and_what_is_not_known_last() {
+        let sure = order("sure", Some(1.1), Some(1.1), None);
+        let net = sure.net.clone().map(|line| SpeedupLine { verdict: Verdict::Faster, ..line });
         let mut orders = [
+            RankedOrder { net, ..sure },
             order("what-if", None, None, Some(0.2)),
             order("two-point-real", None, None, Some(0.1)),
             order("slow", Some(0.9), Some(2.0), Some(0.1)),
@@ -183,7 +193,10 @@ mod tests {
         ];
         rank(&mut orders);
         let names = orders.each_ref().map(|order| order.method.as_str());
-        assert_eq!(names, ["fast", UNSORTED, "slow", "trace", "two-point-real", "what-if", "untimed"]);
+        assert_eq!(
+            names,
+            ["sure", "fast", UNSORTED, "slow", "trace", "two-point-real", "what-if", "untimed"]
+        );
     }
 
     #[test]

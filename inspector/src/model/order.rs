@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use formats::key::decode::{FieldReader, decode};
-use formats::key::method::WITHOUT_LAYOUT;
+use formats::key::method::{AUTO, WITHOUT_LAYOUT};
 use formats::key::{Coordinate, Extent, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutText};
 use formats::manifest::{MethodArray, MethodRecord, Place};
 use formats::metrics::group::Group;
@@ -164,6 +164,12 @@ impl Order {
 }
 
 fn keys(dump: &Dump, queue: &Queue, method: &str, place: &Place) -> Result<(Keys, KeyLayout), String> {
+    let mut decisions = dump.manifest().decisions.iter();
+    if method == AUTO
+        && let Some(decision) = decisions.find(|one| one.queue == queue.id)
+    {
+        return Err(format!("{AUTO} has no key of its own: it gave these rays {}", decision.chosen()));
+    }
     if WITHOUT_LAYOUT.contains(&method) {
         return Err(format!("{method} rays have no key of their own"));
     }

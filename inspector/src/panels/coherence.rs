@@ -4,7 +4,7 @@ use egui_plot::{Line, Plot, PlotPoints, PlotResponse, VLine};
 use formats::metrics::quantity::Quantity;
 
 use super::brush::brush;
-use super::notes::{found, group_widths, hint, legend, power_of_ten};
+use super::notes::{found, group_widths, hint, power_of_ten, swatch};
 use super::worst::{WorstGroups, costliest_triangles};
 use crate::model::Context;
 use crate::model::coherences::OrderCoherence;
@@ -117,10 +117,10 @@ fn compared(
     b: &str,
     median: impl Fn(&str) -> Option<f64>,
 ) {
-    let theme = Theme::of(ui.ctx());
     let known = |method: &str| Some((method.to_owned(), median(method)?));
     for (method, area) in a.and_then(known).into_iter().chain(known(b)) {
-        legend(ui, theme.series(context.style_of(&method)), &format!("{method}: median {area:.3}"));
+        swatch(ui, context.style_of(&method));
+        ui.label(format!("{method}: median {area:.3}"));
     }
     if let Some((of_a, of_b)) = a.and_then(&median).zip(median(b)).filter(|(_, of_b)| *of_b > 0.0) {
         ui.strong(format!("{:.1} times as small in the median", of_a / of_b));

@@ -3,12 +3,13 @@
 use egui::{Align, Label, Layout, RichText, Ui};
 use egui_extras::{Column, TableBuilder, TableRow};
 use formats::key::method::{CONTROL, UNSORTED};
+use formats::manifest::QueueId;
 use formats::ray::Kind;
 
-use super::notes::{hint, swatch};
+use super::notes::{hint, marked, swatch};
 use crate::analysis::Metric;
 use crate::analysis::ranking::{Elsewhere, GainOn, RankedOrder};
-use crate::analysis::timing::{SpeedupLine, Verdict};
+use crate::analysis::timing::SpeedupLine;
 use crate::model::Context;
 use crate::model::what_if::WHAT_IF;
 use crate::output::times;
@@ -65,7 +66,10 @@ impl Panel for MethodsPanel {
             let first = verdict.split("; ").next().unwrap_or_default();
             ui.label(first).on_hover_text(&verdict);
         }
-        ui.weak("Speedups over unsorted rays, whole frame. Click: B. Shift-click: A.");
+        let QueueId { bounce, kind, .. } = context.selection.queue;
+        ui.weak(format!(
+            "Speedups of the whole frame; area, SIMD of bounce {bounce}, {kind}. Click: B. Shift-click: A."
+        ));
         let mut chosen = None;
         egui::ScrollArea::horizontal().auto_shrink([false, false]).show(ui, |ui| {
             let mut table = TableBuilder::new(ui)
@@ -153,7 +157,8 @@ fn cells(row: &mut TableRow<'_, '_>, order: &RankedOrder, context: &Context) {
     });
     row.col(|ui| {
         swatch(ui, style);
-        let name = RichText::new(if order.method == CONTROL { "control: 1 is right" } else { &order.method });
+        let name =
+            RichText::new(if order.method == CONTROL { "control: trace 1 is right" } else { &order.method });
         let name = if is_b { name.strong() } else { name };
         let name = if order.elsewhere.is_some() { name.weak() } else { name };
         let goes = match order.elsewhere {
@@ -211,16 +216,6 @@ fn speedup(ui: &mut Ui, order: &RankedOrder, of: &Metric<SpeedupLine>, by_bounce
         }
         Metric::Missing { missing } => none(ui, missing),
     }
-}
-
-/// A speedup, and whether it may be chance.
-fn marked(line: &SpeedupLine) -> String {
-    let sign = match line.verdict {
-        Verdict::NoSignificantDifference | Verdict::WithinControl => "\u{2248}",
-        Verdict::Unknown => "?",
-        Verdict::Faster | Verdict::Slower => "",
-    };
-    format!("{sign}{}", times(line.ratio))
 }
 
 fn of_rays(ui: &mut Ui, of: Option<&Metric<f64>>, text: fn(f64) -> String) {

@@ -5,10 +5,11 @@ use std::collections::BTreeSet;
 use formats::ray::Work;
 
 use crate::analysis::GroupWidth;
+use crate::analysis::timing::{SpeedupLine, Verdict};
 use crate::figures::style::COLOURS;
 use crate::model::key::{ReadKey, field_text};
 use crate::model::{Absent, Context, Order};
-use crate::output::{count, counted};
+use crate::output::{count, counted, times};
 use crate::theme::Theme;
 
 /// A name with its colour before it, in one piece: it goes to the next line as a whole.
@@ -37,6 +38,16 @@ pub(crate) fn swatch(ui: &mut egui::Ui, style: usize) {
     } else {
         ui.painter().circle_stroke(rect.center(), 4.0, egui::Stroke::new(2.5, colour));
     }
+}
+
+/// A speedup, and whether it may be chance.
+pub(super) fn marked(line: &SpeedupLine) -> String {
+    let sign = match line.verdict {
+        Verdict::NoSignificantDifference | Verdict::WithinControl => "\u{2248}",
+        Verdict::Unknown => "?",
+        Verdict::Faster | Verdict::Slower => "",
+    };
+    format!("{sign}{}", times(line.ratio))
 }
 
 /// A chart that always shows all that it has.

@@ -3,10 +3,10 @@
 
 use egui::{Align2, RichText};
 use egui_plot::{AxisHints, Bar, BarChart, PlotPoint, Text, VLine};
-use formats::key::method::UNSORTED;
+use formats::key::method::{CONTROL, UNSORTED};
 use formats::manifest::{LEFT_ALONE, Stage};
 
-use super::notes::{hint, legend, name_at, still};
+use super::notes::{hint, legend, marked, name_at, still};
 use crate::analysis::timing::{stacked, stage_name};
 use crate::analysis::{OrderAnalysis, QueueAnalysis};
 use crate::model::Context;
@@ -79,9 +79,9 @@ fn milliseconds(order: &OrderAnalysis, stage: Stage) -> f64 {
     found.map_or(0.0, |found| found.time.median_ns / 1e6)
 }
 
-fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
-    let theme = Theme::of(ui.ctx());
-    // From below: what gains least, …, what gains most, unsorted; by the net speedup at the right, where there is one.
+/// The orders of a queue with the milliseconds that each takes, from below: what gains least, …, what gains most,
+/// unsorted; by the net speedup at the right, where there is one. And the time of unsorted rays.
+fn by_gain(queue: &QueueAnalysis) -> (Vec<(&OrderAnalysis, f64)>, Option<f64>) {
     let total = |order: &OrderAnalysis| stacked().map(|(_, stage)| milliseconds(order, stage)).sum::<f64>();
     let mut orders: Vec<(&OrderAnalysis, f64)> =
         queue.orders.iter().map(|order| (order, total(order))).collect();
@@ -92,6 +92,12 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
         None => break_even.unwrap_or(1.0) / takes,
     };
     orders.sort_by(|a, b| gain(a).total_cmp(&gain(b)));
+    (orders, break_even)
+}
+
+fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
+    let theme = Theme::of(ui.ctx());
+    let (orders, break_even) = by_gain(queue);
     let mut charts: Vec<BarChart> = Vec::new();
     let names: Vec<String> = orders.iter().map(|(order, _)| order.method.clone()).collect();
     let line = ui.horizontal_wrapped(|ui| {
@@ -112,7 +118,8 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
             charts.push(chart.stack_on(&charts.iter().collect::<Vec<_>>()));
         }
         ui.label(
-            "- - -  break-even: the trace of unsorted rays;  at the right: net speedup, median over rounds",
+            "- - -  break-even: the trace of unsorted rays;  bars are medians;  at the right: net speedup, the median of \
+             its rounds (\u{2248} may be chance)",
         );
     });
     let height = height - line.response.rect.height() - ui.spacing().item_spacing.y;
@@ -143,10 +150,10 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
             }
             for (row, (order, _)) in orders.iter().enumerate() {
                 let Some(net) = order.net_speedup.known() else { continue };
-                let verdict = theme.verdict(net.verdict).filter(|_| !order.is_left_alone());
+                let is_own = !order.is_left_alone() && order.method != CONTROL;
+                let verdict = theme.verdict(net.verdict).filter(|_| is_own);
                 let colour = verdict.unwrap_or(theme.reference());
-                let text =
-                    if order.is_left_alone() { LEFT_ALONE.to_owned() } else { format!("{:.2}×", net.ratio) };
+                let text = if order.is_left_alone() { LEFT_ALONE.to_owned() } else { marked(net) };
                 let text = RichText::new(format!("  {text}")).color(colour);
                 let text = Text::new("net speedup", PlotPoint::new(longest, row as f64), text);
                 plot.text(text.anchor(Align2::LEFT_CENTER));
