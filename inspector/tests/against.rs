@@ -240,6 +240,26 @@ fn the_table_has_all_orders_the_best_first() {
     assert!(top(WHAT_IF) > top(UNSORTED), "what was not measured is below what was");
 }
 
+/// The net speedups by kind of rays are those of the table that `info` ends in.
+#[test]
+fn the_table_has_what_each_kind_of_rays_gains() {
+    let (_folder, mut context) = at_first();
+    let frame = Frame::of(context.recording().unwrap().dump.manifest());
+    let ranking = context.ranking(0);
+    let mut compared = 0;
+    for row in &frame.rows {
+        let Some(order) = ranking.iter().find(|order| order.method == row.method) else { continue };
+        for (on, expected) in order.by_rays.iter().zip([row.net_secondary, row.net_shadow]) {
+            let Some(expected) = expected else { continue };
+            let found = on.all.known().unwrap();
+            assert_eq!((found.ratio, found.interval), (expected.ratio, expected.interval), "{}", row.method);
+            assert!(!on.by_bounce.is_empty());
+            compared += 1;
+        }
+    }
+    assert!(compared > 2, "{compared} compared");
+}
+
 /// What orders shadow rays alone is in the table of closest rays, too, and a click goes to those; B comes back with the
 /// rays that it was chosen for.
 #[test]

@@ -19,7 +19,7 @@ pub struct RankedOrder {
     pub net: Metric<SpeedupLine>,
     /// Of the trace alone.
     pub trace: Metric<SpeedupLine>,
-    /// The net speedup again, of secondary and of shadow rays.
+    /// The net speedup again, of secondary and of shadow rays; nothing where `auto` left them alone.
     pub by_rays: [GainOn; RayClass::ALL.len()],
     /// Of a queue: mean capsule area over that of unsorted rays; `None` while it is awaited.
     pub area: Option<Metric<f64>>,
@@ -32,8 +32,6 @@ pub struct RankedOrder {
 /// What an order gains net on some of the rays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GainOn {
-    /// These.
-    pub rays: RayClass,
     /// Over all their bounces.
     pub all: Metric<SpeedupLine>,
     /// On each bounce where it is known.
@@ -85,10 +83,15 @@ impl RankedOrder {
         let on = |rays: RayClass| {
             let all = times.and_then(|recording| recording.frame(rays, &method));
             let queues = times.into_iter().flat_map(|recording| recording.measured_of(rays));
-            let net = |queue: &QueueAnalysis| queue.order(&method)?.net_speedup.known().cloned();
+            let net = |queue: &QueueAnalysis| {
+                let order = queue.order(&method).filter(|order| !order.is_left_alone())?;
+                order.net_speedup.known().cloned()
+            };
             GainOn {
-                rays,
-                all: line(all.map(|frame| &frame.net_speedup)),
+                all: match all {
+                    Some(frame) if frame.left_alone => Metric::missing("it left these rays alone"),
+                    _ => line(all.map(|frame| &frame.net_speedup)),
+                },
                 by_bounce: queues.filter_map(|queue| Some((queue.bounce, net(queue)?))).collect(),
             }
         };
@@ -170,7 +173,7 @@ mod tests {
             method: method.to_owned(),
             net: line(net),
             trace: line(trace),
-            by_rays: RayClass::ALL.map(|rays| GainOn { rays, all: line(None), by_bounce: Vec::new() }),
+            by_rays: RayClass::ALL.map(|_| GainOn { all: line(None), by_bounce: Vec::new() }),
             area: area.map(Metric::Known),
             lanes: None,
             elsewhere: None,

@@ -20,6 +20,7 @@ use crate::theme::Theme;
 
 /// Height of a row, points.
 const ROW: f32 = 20.0;
+
 /// Names of the columns, their widths in points, and what they are.
 const COLUMNS: [(&str, f32, &str); 8] = [
     ("", 20.0, "Which of the orders are A and B"),
