@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -258,6 +259,33 @@ fn the_table_has_what_each_kind_of_rays_gains() {
         }
     }
     assert!(compared > 2, "{compared} compared");
+}
+
+/// Below the table stands what B gains on each bounce; a click on a number goes to those rays, in the same order.
+#[test]
+fn what_an_order_gains_is_said_by_bounce() {
+    let (_folder, mut context) = at_first();
+    context.order_by("aila");
+    let times = context.recording().unwrap().times.clone().unwrap();
+    let mut harness = panel("methods", context);
+    let queues = times.measured().filter(|queue| queue.bounce > 0 || queue.kind == Kind::Shadow);
+    let mut clicked = 0;
+    for queue in queues.filter(|queue| queue.id() != QUEUE) {
+        let Some(net) = queue.order("aila").and_then(|order| order.net_speedup.known()) else { continue };
+        let number = format!("{:.2}\u{d7}", net.ratio);
+        let cells: Vec<_> = harness.get_all_by_role(Role::Button).collect();
+        // Shadow rays, which may gain as much as secondary ones, come last.
+        let cell = cells.iter().rfind(|cell| cell.accesskit_node().label().unwrap().ends_with(&number));
+        let place = cell.unwrap_or_else(|| panic!("no {number}")).rect().center();
+        click(&mut harness, place);
+        let selection = &harness.state().context.selection;
+        assert_eq!((selection.queue, &*selection.method), (queue.id(), "aila"));
+        clicked += 1;
+    }
+    assert!(clicked > 0);
+    harness.state_mut().context.order_by(UNSORTED);
+    settle(&mut harness);
+    assert!(harness.query_by_role(Role::Button).is_none(), "it gains nothing over itself");
 }
 
 /// What orders shadow rays alone is in the table of closest rays, too, and a click goes to those; B comes back with the

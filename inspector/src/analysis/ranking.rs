@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 
 use formats::key::method::{REFERENCES, UNSORTED};
+use formats::manifest::QueueId;
 use formats::ray::Kind;
 
 use super::coherence::{Coherence, LaneUtilisation, of_warp};
@@ -34,8 +35,8 @@ pub struct RankedOrder {
 pub struct GainOn {
     /// Over all their bounces.
     pub all: Metric<SpeedupLine>,
-    /// On each bounce where it is known.
-    pub by_bounce: Vec<(u32, SpeedupLine)>,
+    /// On each of the queues.
+    pub by_bounce: Vec<(QueueId, Metric<SpeedupLine>)>,
 }
 
 /// Rays that an order has where a queue is not ordered by it.
@@ -46,6 +47,9 @@ pub enum Elsewhere {
     /// Of the other kind, which is this one.
     OtherKind(Kind),
 }
+
+/// Of `auto`.
+const ALONE: &str = "it left these rays alone";
 
 /// The best is first.
 pub fn rank(orders: &mut [RankedOrder]) {
@@ -83,16 +87,17 @@ impl RankedOrder {
         let on = |rays: RayClass| {
             let all = times.and_then(|recording| recording.frame(rays, &method));
             let queues = times.into_iter().flat_map(|recording| recording.measured_of(rays));
-            let net = |queue: &QueueAnalysis| {
-                let order = queue.order(&method).filter(|order| !order.is_left_alone())?;
-                order.net_speedup.known().cloned()
+            let net = |queue: &QueueAnalysis| match queue.order(&method) {
+                Some(order) if order.is_left_alone() => Metric::missing(ALONE),
+                Some(order) => order.net_speedup.clone(),
+                None => Metric::missing("it was not measured on these rays"),
             };
             GainOn {
                 all: match all {
-                    Some(frame) if frame.left_alone => Metric::missing("it left these rays alone"),
+                    Some(frame) if frame.left_alone => Metric::missing(ALONE),
                     _ => line(all.map(|frame| &frame.net_speedup)),
                 },
-                by_bounce: queues.filter_map(|queue| Some((queue.bounce, net(queue)?))).collect(),
+                by_bounce: queues.map(|queue| (queue.id(), net(queue))).collect(),
             }
         };
         Self {

@@ -1,6 +1,9 @@
-//! All orders in one table, the one that gains most on the whole frame first: a click makes one B, with shift A.
+//! All orders in one table, the one that gains most on the whole frame first: a click makes one B, with shift A. Below
+//! it what B gains on each bounce.
 
-use egui::{Align, Label, Layout, RichText, Ui};
+use std::collections::BTreeSet;
+
+use egui::{Align, Button, Grid, Label, Layout, RichText, Ui};
 use egui_extras::{Column, TableBuilder, TableRow};
 use formats::key::method::{CONTROL, UNSORTED};
 use formats::manifest::QueueId;
@@ -8,7 +11,8 @@ use formats::ray::Kind;
 
 use super::notes::{hint, marked, swatch};
 use crate::analysis::Metric;
-use crate::analysis::ranking::{Elsewhere, GainOn, RankedOrder};
+use crate::analysis::ranking::{Elsewhere, RankedOrder};
+use crate::analysis::summary::RayClass;
 use crate::analysis::timing::SpeedupLine;
 use crate::model::Context;
 use crate::model::what_if::WHAT_IF;
@@ -30,12 +34,8 @@ const COLUMNS: [(&str, f32, &str); 8] = [
         54.0,
         "Unsorted trace over all that tracing in this order takes, key and sort included, on the whole frame, as in the strip; \u{2248} is no significant difference, ? no interval",
     ),
-    (
-        "secondary",
-        68.0,
-        "The net speedup of secondary rays: closest rays after the camera's; by bounce on hover",
-    ),
-    ("shadow", 54.0, "The net speedup of shadow rays; by bounce on hover"),
+    ("secondary", 68.0, "The net speedup of secondary rays: closest rays after the camera's"),
+    ("shadow", 54.0, "The net speedup of shadow rays"),
     (
         "trace",
         54.0,
@@ -71,10 +71,14 @@ impl Panel for MethodsPanel {
         ui.weak(format!(
             "Speedups of the whole frame; area, SIMD of bounce {bounce}, {kind}. Click: B. Shift-click: A."
         ));
+        if let Some(order) = ranking.iter().find(|order| order.method == context.selection.method) {
+            by_bounce(ui, order, context);
+        }
         let mut chosen = None;
         egui::ScrollArea::horizontal().auto_shrink([false, false]).show(ui, |ui| {
             let mut table = TableBuilder::new(ui)
                 .striped(true)
+                .min_scrolled_height(0.0)
                 .sense(egui::Sense::click())
                 .cell_layout(Layout::left_to_right(Align::Center));
             for (_, width, _) in COLUMNS {
@@ -173,11 +177,11 @@ fn cells(row: &mut TableRow<'_, '_>, order: &RankedOrder, context: &Context) {
         let about = about(context, &order.method) + goes;
         ui.add(Label::new(name).selectable(false).truncate()).on_hover_text(about);
     });
-    row.col(|ui| speedup(ui, order, &order.net, None));
+    row.col(|ui| speedup(ui, order, &order.net));
     for on in &order.by_rays {
-        row.col(|ui| speedup(ui, order, &on.all, Some(on)));
+        row.col(|ui| speedup(ui, order, &on.all));
     }
-    row.col(|ui| speedup(ui, order, &order.trace, None));
+    row.col(|ui| speedup(ui, order, &order.trace));
     row.col(|ui| of_rays(ui, order.area.as_ref(), times));
     row.col(|ui| of_rays(ui, order.lanes.as_ref(), |lanes| format!("{:.0} %", 100.0 * lanes)));
 }
@@ -198,24 +202,64 @@ fn none(ui: &mut Ui, why: &str) {
     plain(ui, RichText::new("\u{2013}").weak()).on_hover_text(why);
 }
 
-/// A speedup in the colour of its verdict; how sure it is, and what it is on each bounce, on hover.
-fn speedup(ui: &mut Ui, order: &RankedOrder, of: &Metric<SpeedupLine>, by_bounce: Option<&GainOn>) {
+/// A speedup in the colour of its verdict; how sure it is on hover.
+fn speedup(ui: &mut Ui, order: &RankedOrder, of: &Metric<SpeedupLine>) {
     match of {
         _ if order.method == UNSORTED => drop(plain(ui, times(1.0))),
-        Metric::Known(line) => {
-            let text = RichText::new(marked(line));
-            let text = match Theme::of(ui.ctx()).verdict(line.verdict) {
-                Some(colour) if order.method != CONTROL => text.color(colour),
-                _ => text,
-            };
-            let sure = format!("{} {} (n = {})", line.verdict.words(), line.interval_text(), line.n);
-            let bounces = by_bounce.into_iter().flat_map(|on| &on.by_bounce);
-            let bounces = bounces.map(|(bounce, line)| {
-                format!("\nbounce {bounce}: {} {}", marked(line), line.interval_text())
-            });
-            plain(ui, text).on_hover_text(sure + &bounces.collect::<String>());
-        }
+        Metric::Known(line) => drop(plain(ui, verdict(ui, order, line)).on_hover_text(sure(line))),
         Metric::Missing { missing } => none(ui, missing),
+    }
+}
+
+fn verdict(ui: &Ui, order: &RankedOrder, line: &SpeedupLine) -> RichText {
+    let text = RichText::new(marked(line));
+    match Theme::of(ui.ctx()).verdict(line.verdict) {
+        Some(colour) if order.method != CONTROL => text.color(colour),
+        _ => text,
+    }
+}
+
+fn sure(line: &SpeedupLine) -> String {
+    format!("{} {} (n = {})", line.verdict.words(), line.interval_text(), line.n)
+}
+
+/// What an order gains on each bounce; a click goes there. Nothing where it gains nothing by itself or was not timed.
+fn by_bounce(ui: &mut Ui, order: &RankedOrder, context: &mut Context) {
+    let nets = order.by_rays.iter().flat_map(|on| &on.by_bounce);
+    let known: BTreeSet<u32> =
+        nets.filter(|(_, net)| net.known().is_some()).map(|(id, _)| id.bounce).collect();
+    if known.is_empty() || order.method == UNSORTED {
+        return;
+    }
+    let mut chosen = None;
+    egui::Panel::bottom("by bounce").resizable(false).show(ui, |ui| {
+        ui.weak(format!("Net speedup of {} by bounce. Click: goes there.", order.method));
+        let grid = |ui: &mut Ui| {
+            plain(ui, "bounce");
+            known.iter().for_each(|bounce| drop(ui.strong(bounce.to_string())));
+            ui.end_row();
+            for (rays, on) in RayClass::ALL.iter().zip(&order.by_rays) {
+                plain(ui, rays.name());
+                for bounce in &known {
+                    match on.by_bounce.iter().find(|(id, _)| id.bounce == *bounce) {
+                        Some((id, Metric::Known(line))) => {
+                            let is_here = *id == context.selection.queue;
+                            let cell = ui.add(Button::selectable(is_here, verdict(ui, order, line)));
+                            chosen = cell.on_hover_text(sure(line)).clicked().then_some(*id).or(chosen);
+                        }
+                        Some((_, Metric::Missing { missing })) => none(ui, missing),
+                        None => drop(ui.label("")),
+                    }
+                }
+                ui.end_row();
+            }
+        };
+        let scroll = egui::ScrollArea::horizontal().auto_shrink([false, true]);
+        scroll.show(ui, |ui| Grid::new("by bounce").show(ui, grid));
+    });
+    if let Some(queue) = chosen {
+        context.go_to(queue);
+        context.order_by(&order.method);
     }
 }
 
