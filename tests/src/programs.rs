@@ -28,8 +28,9 @@ fn programs() -> &'static Programs {
     static PROGRAMS: OnceLock<Programs> = OnceLock::new();
     PROGRAMS.get_or_init(|| {
         let mut build = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-        // The whole workspace, so that its dependencies have the features that they have in `cargo test`.
-        build.args(["build", "--workspace", "--bins", "--quiet", "--message-format=json"]);
+        // With a test of the whole workspace, which is there already: without one, dependencies that tests share have
+        // fewer features than in `cargo test`, and all that stands above them is compiled once more.
+        build.args(["build", "--workspace", "--bins", "--test", "sources", "--quiet", "--message-format=json"]);
         if !cfg!(debug_assertions) {
             build.arg("--release");
         }
