@@ -26,6 +26,9 @@ const SMALL_TEXT: f32 = 11.0;
 const DARK_TEXT: Color32 = Color32::from_gray(190);
 const WEAK_TEXT: f32 = 0.8;
 
+/// How visible the handle of a scroll bar is while the pointer is elsewhere: a sign that there is more to see.
+const IDLE_SCROLL_BAR: f32 = 0.5;
+
 /// Sets what light and dark windows have in common.
 pub fn set_up(context: &egui::Context) {
     context.all_styles_mut(|style| {
@@ -33,6 +36,7 @@ pub fn set_up(context: &egui::Context) {
             font.size = SMALL_TEXT;
         }
         style.visuals.weak_text_alpha = WEAK_TEXT;
+        style.spacing.scroll.dormant_handle_opacity = IDLE_SCROLL_BAR;
         if style.visuals.dark_mode {
             style.visuals.widgets.noninteractive.fg_stroke.color = DARK_TEXT;
         }
