@@ -63,6 +63,9 @@ fn row<'a>(harness: &'a Harness<'_, App>, method: &'a str) -> egui_kittest::Node
 fn a_row_that_is_clicked_is_b_and_with_shift_a_and_the_strip_follows() {
     let (_folder, context) = at_first();
     let mut harness = window(|format| App::showing(context, format.into()));
+    // Room for all rows.
+    harness.set_size(egui::vec2(1280.0, 1000.0));
+    settle(&mut harness);
     let names = |harness: &Harness<'_, App>| {
         let selection = &harness.state().context.selection;
         (selection.baseline.method.clone(), selection.method.clone())

@@ -5,7 +5,10 @@
 use std::path::Path;
 use std::process::Command;
 
-use formats::manifest::{End, MethodArray, Outcome, Place, QueueArray, QueueRecord, Record, Source, Stage};
+use formats::key::method::{CONTROL, UNSORTED};
+use formats::manifest::{
+    End, MethodArray, Outcome, Place, QueueArray, QueueRecord, Record, Source, Stage, TimingRecord,
+};
 use formats::metrics::capsule::{Capsule, Segment};
 use formats::metrics::speedup::median;
 use formats::ray::{Kind, Ray, Work};
@@ -90,6 +93,37 @@ fn results_do_not_depend_on_threads() {
     let dumps = [Dump::open(&sample::write(folder.path())).unwrap()];
     let one = json(&analysed(&dumps, GroupWidth::Rays64, 1));
     assert_eq!(one, json(&analysed(&dumps, GroupWidth::Rays64, 3)));
+}
+
+/// An order that is 5 % faster is not called so beside a control that is off by 11 %.
+#[test]
+fn what_a_bounce_gains_must_exceed_what_the_control_misses_by() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = sample::write(folder.path());
+    let verdict = || {
+        let dump = Dump::open(&root).unwrap();
+        let analysis = analyse(std::slice::from_ref(&dump), &AnalysisOptions::default()).unwrap();
+        let queue = analysis.recordings[0].measured().find(|queue| queue.bounce == 1).unwrap();
+        queue.order("aila").unwrap().trace_speedup.known().unwrap().verdict
+    };
+    sample::edit_parts(&root, sample::part::timing, |timing| match (timing.method.as_str(), timing.stage) {
+        (UNSORTED, Stage::Trace) => timing.samples_ns = vec![10_000; 7],
+        ("aila", Stage::Trace) => timing.samples_ns = vec![9_500; 7],
+        _ => {}
+    });
+    assert_eq!(verdict(), Verdict::Faster);
+    sample::edit_manifest(&root, |records| {
+        let timings = records.iter_mut().filter_map(sample::part::timing);
+        let unsorted = timings.filter(|timing| timing.method == UNSORTED && timing.stage == Stage::Trace);
+        let control = |timing: &mut TimingRecord| {
+            let (method, samples_ns) = (CONTROL.to_owned(), vec![9_000; 7]);
+            Record::Timing(TimingRecord { method, samples_ns, ..timing.clone() })
+        };
+        let controls: Vec<Record> = unsorted.map(control).collect();
+        let end = records.len() - 1;
+        records.splice(end..end, controls);
+    });
+    assert_eq!(verdict(), Verdict::WithinControl);
 }
 
 #[test]

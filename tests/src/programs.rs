@@ -30,7 +30,15 @@ fn programs() -> &'static Programs {
         let mut build = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
         // With a test of the whole workspace, which is there already: without one, dependencies that tests share have
         // fewer features than in `cargo test`, and all that stands above them is compiled once more.
-        build.args(["build", "--workspace", "--bins", "--test", "sources", "--quiet", "--message-format=json"]);
+        build.args([
+            "build",
+            "--workspace",
+            "--bins",
+            "--test",
+            "sources",
+            "--quiet",
+            "--message-format=json",
+        ]);
         if !cfg!(debug_assertions) {
             build.arg("--release");
         }

@@ -57,8 +57,7 @@ impl FrameAnalysis {
         for rays in RayClass::ALL {
             let own: Vec<&QueueAnalysis> =
                 queues.iter().filter(|queue| RayClass::of(queue) == Some(rays)).collect();
-            let control = controls.iter().find(|(of, _)| *of == rays);
-            let error = control.map_or(0.0, |(_, line)| (line.ratio - 1.0).abs());
+            let error = instrument_error(controls, &[rays]);
             let orders = own.iter().flat_map(|queue| &queue.orders);
             for method in distinct(orders.map(|order| order.method.as_str())) {
                 frames.extend(Self::of(&own, rays, method, error));
@@ -108,6 +107,12 @@ pub(super) fn control(
     };
     let sum = |traces: Vec<Vec<u64>>| frame::summed(traces.iter().map(Vec::as_slice));
     SpeedupLine::of(&sum(traces(UNSORTED)?), &sum(traces(CONTROL)?))
+}
+
+/// The most that the controls of some rays miss 1 by; 0 where none was measured.
+pub(super) fn instrument_error(controls: &[(RayClass, SpeedupLine)], rays: &[RayClass]) -> f64 {
+    let own = controls.iter().filter(|(of, _)| rays.contains(of));
+    own.map(|(_, line)| (line.ratio - 1.0).abs()).fold(0.0, f64::max)
 }
 
 /// A speedup of the sums; what one bounce lacks, the frame lacks.

@@ -72,7 +72,7 @@ pub struct OrderAnalysis {
     pub way: Way,
     /// All stages that tracing in this order takes that way; `null` where it was not timed.
     pub total: Option<Time>,
-    /// Unsorted trace over trace in this order.
+    /// Unsorted trace over trace in this order, beside the control of all bounces, as the next.
     pub trace_speedup: Metric<SpeedupLine>,
     /// Unsorted trace over all stages.
     pub net_speedup: Metric<SpeedupLine>,
@@ -88,6 +88,13 @@ impl OrderAnalysis {
     /// Utilisation of 32 lanes, 0 to 1, where it is known. A model.
     pub fn warp_utilisation(&self) -> Option<f64> {
         of_warp(self.lanes.known()?)
+    }
+
+    /// The same beside a control that misses 1 by `error`.
+    pub(super) fn beyond(self, error: f64) -> Self {
+        let trace_speedup = self.trace_speedup.map(|line| line.beyond(error));
+        let net_speedup = self.net_speedup.map(|line| line.beyond(error));
+        Self { trace_speedup, net_speedup, ..self }
     }
 
     /// A stage, if it was timed.

@@ -10,7 +10,7 @@ use formats::reader::Dump;
 use formats::summary::hexadecimal;
 use serde::Serialize;
 
-use super::frame::{FrameAnalysis, control};
+use super::frame::{FrameAnalysis, control, instrument_error};
 use super::labels;
 use super::queue::QueueAnalysis;
 use super::summary::{RayClass, distinct};
@@ -51,7 +51,7 @@ pub struct RecordingAnalysis {
 }
 
 impl RecordingAnalysis {
-    pub(super) fn of(dump: &Dump, label: String, queues: Vec<QueueAnalysis>) -> Self {
+    pub(super) fn of(dump: &Dump, label: String, mut queues: Vec<QueueAnalysis>) -> Self {
         let manifest = dump.manifest();
         let header = shown::header(&manifest.header);
         let samples = Samples::of(manifest);
@@ -59,6 +59,11 @@ impl RecordingAnalysis {
         let control_of = |rays| Some((rays, control(&samples, &queues, rays)?));
         let controls: Vec<(RayClass, SpeedupLine)> =
             RayClass::ALL.into_iter().filter_map(control_of).collect();
+        for queue in &mut queues {
+            let error = RayClass::of(queue).map_or(0.0, |rays| instrument_error(&controls, &[rays]));
+            queue.orders =
+                std::mem::take(&mut queue.orders).into_iter().map(|order| order.beyond(error)).collect();
+        }
         Self {
             label,
             root: dump.root().to_owned(),
@@ -88,8 +93,7 @@ impl RecordingAnalysis {
 
     /// The most that the controls of some rays miss 1 by; 0 where none was measured.
     pub fn instrument_error(&self, rays: &[RayClass]) -> f64 {
-        let own = self.controls.iter().filter(|(of, _)| rays.contains(of));
-        own.map(|(_, line)| (line.ratio - 1.0).abs()).fold(0.0, f64::max)
+        instrument_error(&self.controls, rays)
     }
 
     /// The controls that miss 1 by so much that other speedups cannot be trusted.

@@ -233,9 +233,9 @@ fn by_bounce(ui: &mut Ui, order: &RankedOrder, context: &mut Context) {
     }
     let mut chosen = None;
     egui::Panel::bottom("by bounce").resizable(false).show(ui, |ui| {
-        ui.weak(format!("Net speedup of {} by bounce. Click: goes there.", order.method));
         let grid = |ui: &mut Ui| {
-            plain(ui, "bounce");
+            let about = format!("The net speedup of {} on each bounce. Click: goes there", order.method);
+            plain(ui, RichText::new("net of B, bounce").weak()).on_hover_text(about);
             known.iter().for_each(|bounce| drop(ui.strong(bounce.to_string())));
             ui.end_row();
             for (rays, on) in RayClass::ALL.iter().zip(&order.by_rays) {
