@@ -72,7 +72,7 @@ pub struct OrderAnalysis {
     pub way: Way,
     /// All stages that tracing in this order takes that way; `null` where it was not timed.
     pub total: Option<Time>,
-    /// Unsorted trace over trace in this order, beside the control of all bounces, as the next.
+    /// Unsorted trace over trace in this order; its verdict, as the next one's, counts what the control misses by.
     pub trace_speedup: Metric<SpeedupLine>,
     /// Unsorted trace over all stages.
     pub net_speedup: Metric<SpeedupLine>,

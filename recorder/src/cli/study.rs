@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::{Args, Subcommand};
 use comfy_table::presets::UTF8_BORDERS_ONLY;
-use comfy_table::{CellAlignment, ContentArrangement, Table};
+use comfy_table::{CellAlignment, Table};
 use formats::study::SLURM_NAME;
 use formats::text::counted;
 use indicatif::HumanBytes;
@@ -144,7 +144,7 @@ fn show_plan(arguments: &PlanArguments) -> Result<()> {
         return print_json(&json!({ "jobs": rows, "left": left_json(left, &experience) }));
     }
     let mut table = Table::new();
-    table.load_style(UTF8_BORDERS_ONLY).set_content_arrangement(ContentArrangement::Dynamic);
+    table.load_style(UTF8_BORDERS_ONLY);
     table.set_header(["job", "name", "scene", "camera", "seed", "recordings", "about", "on disk"]);
     let recordings = std::iter::once(&plan.record.name).chain(plan.replays.iter().map(|replay| &replay.name));
     let recordings = recordings.cloned().collect::<Vec<_>>().join(", ");
