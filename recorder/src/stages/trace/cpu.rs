@@ -12,6 +12,7 @@ use scenes::Scene;
 use scenes::bvh::Bvh;
 use scenes::features::Features;
 
+use super::cpu_bundle::Bundles;
 use super::cpu_bvh2::BinaryTree;
 use super::cpu_cwbvh::CompressedTree;
 use super::cpu_lanes::LaneTree;
@@ -131,6 +132,18 @@ impl CpuTracer {
         self
     }
 
+    /// How many of the first rays the kernel `wide` traces together.
+    #[cfg(test)]
+    pub(super) fn traced_together(&self, rays: &[Ray], kind: Kind) -> usize {
+        let AnyTree::Wide(tree) = &self.tree else { return 0 };
+        let (places, bundles) = (vec![(); rays.len()], Bundles(tree));
+        let (part, keep) = (Part::new(rays, &places), |_: &(), _, ()| ());
+        match kind {
+            Kind::Closest => self.search_in::<_, (), Shear, (), PADDED, NEAREST>(&bundles, part, &(), keep),
+            Kind::Shadow => self.search_in::<_, (), Shear, (), PADDED, ANY_HIT>(&bundles, part, &(), keep),
+        }
+    }
+
     /// Traces rays of the kind that the results are of, the nearest hit of each or any.
     ///
     /// # Panics
@@ -237,14 +250,39 @@ impl CpuTracer {
     ) {
         match &self.tree {
             AnyTree::Lanes(tree) => {
-                self.search_in::<_, A, Shear, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
+                self.search_in::<_, A, Shear, T, IS_PADDED, IS_ANY>(tree, part, account, keep);
             }
             AnyTree::Packet(tree) => {
-                self.search_in::<_, A, Shear, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
+                self.search_in::<_, A, Shear, T, IS_PADDED, IS_ANY>(tree, part, account, keep);
+            }
+            // What is kept of a ray's way is that of the ray by itself.
+            AnyTree::Wide(tree) if IS_PADDED && !A::IS_KEPT => {
+                self.search_wide::<A, T, IS_PADDED, IS_ANY>(tree, part, account, keep);
             }
             AnyTree::Binary(_) | AnyTree::Compressed(_) | AnyTree::Wide(_) => {
                 self.search_one_by_one::<A, Shear, T, IS_PADDED, IS_ANY>(part, account, keep)
             }
+        }
+    }
+
+    /// The same by bundles where rays make some that are worth it; after some that do not, bundles are tried again behind
+    /// ever more rays.
+    fn search_wide<A: Account, T, const IS_PADDED: bool, const IS_ANY: bool>(
+        &self,
+        tree: &WideTree,
+        part: Part<'_, T>,
+        account: &A,
+        mut keep: impl FnMut(&T, Hit, A),
+    ) {
+        let (mut rest, mut singles) = (part, Bundles::RAYS);
+        while rest.len() > 0 {
+            let bundles = Bundles(tree);
+            let bundled =
+                self.search_in::<_, A, Shear, T, IS_PADDED, IS_ANY>(&bundles, rest, account, &mut keep);
+            singles = if bundled > 0 { Bundles::RAYS } else { 8 * singles };
+            let (some, others) = rest.split_at(bundled).1.split_at(singles);
+            self.search_in::<_, A, Shear, T, IS_PADDED, IS_ANY>(tree, some, account, &mut keep);
+            rest = others;
         }
     }
 
@@ -257,12 +295,14 @@ impl CpuTracer {
     ) {
         match &self.tree {
             AnyTree::Binary(tree) | AnyTree::Lanes(LaneTree(tree)) | AnyTree::Packet(PacketTree(tree)) => {
-                self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
+                self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep);
             }
             AnyTree::Compressed(tree) => {
-                self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
+                self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep);
             }
-            AnyTree::Wide(tree) => self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep),
+            AnyTree::Wide(tree) => {
+                self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep);
+            }
         }
     }
 
@@ -272,32 +312,28 @@ impl CpuTracer {
         part: Part<'_, T>,
         account: &A,
         keep: impl FnMut(&T, Hit, A),
-    ) {
+    ) -> usize {
         let masks = &self.masks;
         match (self.instructions, masks.is_empty()) {
-            (Instructions::Portable, true) => {
-                tree.search::<Compiled<A, R, IS_PADDED, IS_ANY, UNMASKED, PORTABLE>, T>(
+            (Instructions::Portable, true) => tree
+                .search::<Compiled<A, R, IS_PADDED, IS_ANY, UNMASKED, PORTABLE>, T>(
                     masks, part, account, keep,
-                );
-            }
-            (Instructions::Portable, false) => {
-                tree.search::<Compiled<A, R, IS_PADDED, IS_ANY, MASKED, PORTABLE>, T>(
-                    masks, part, account, keep,
-                );
-            }
+                ),
+            (Instructions::Portable, false) => tree
+                .search::<Compiled<A, R, IS_PADDED, IS_ANY, MASKED, PORTABLE>, T>(masks, part, account, keep),
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `Instructions::Avx2` is chosen only where the processor has these instructions.
             (Instructions::Avx2, true) => unsafe {
                 search_avx2::<H, Compiled<A, R, IS_PADDED, IS_ANY, UNMASKED, AVX2>, T>(
                     tree, masks, part, account, keep,
-                );
+                )
             },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
             (Instructions::Avx2, false) => unsafe {
                 search_avx2::<H, Compiled<A, R, IS_PADDED, IS_ANY, MASKED, AVX2>, T>(
                     tree, masks, part, account, keep,
-                );
+                )
             },
         }
     }
@@ -311,7 +347,7 @@ fn search_avx2<H: Searcher<S::Ray>, S: Variant, T>(
     part: Part<'_, T>,
     account: &S::Account,
     keep: impl FnMut(&T, Hit, S::Account),
-) {
+) -> usize {
     const { assert!(S::AVX2, "else the instructions are not used") };
-    tree.search::<S, T>(masks, part, account, keep);
+    tree.search::<S, T>(masks, part, account, keep)
 }

@@ -54,14 +54,17 @@ pub(super) struct BoxLanes<V> {
 impl<V: Vector> BoxLanes<V> {
     /// Of eight rays.
     #[inline(always)]
-    pub(super) fn new<S: Variant>(rays: [&Query<'_, S>; 8]) -> Self {
-        let [ox, oy, oz] = [0, 1, 2].map(|axis| rays.map(|ray| ray.origin[axis]));
-        let [ix, iy, iz] = [0, 1, 2].map(|axis| rays.map(|ray| ray.inverse[axis]));
-        Self {
-            origin: [V::load(&ox), V::load(&oy), V::load(&oz)],
-            inverse: [V::load(&ix), V::load(&iy), V::load(&iz)],
-            t_min: V::load(&rays.map(|ray| ray.t_min)),
+    pub(super) fn new<'q, 'm: 'q, S: Variant + 'q>(rays: impl IntoIterator<Item = &'q Query<'m, S>>) -> Self {
+        let (mut origin, mut inverse, mut t_min) = ([[0.0; 8]; 3], [[0.0; 8]; 3], [0.0; 8]);
+        for (lane, ray) in rays.into_iter().enumerate() {
+            for axis in 0..3 {
+                origin[axis][lane] = ray.origin[axis];
+                inverse[axis][lane] = ray.inverse[axis];
+            }
+            t_min[lane] = ray.t_min;
         }
+        let load = |[x, y, z]: &[[f32; 8]; 3]| [V::load(x), V::load(y), V::load(z)];
+        Self { origin: load(&origin), inverse: load(&inverse), t_min: V::load(&t_min) }
     }
 
     /// Where each ray enters its box, low and high planes by axis, and bit `lane` set if it does before `limit`;

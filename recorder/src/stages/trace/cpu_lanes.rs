@@ -42,7 +42,7 @@ impl Searcher<Shear> for LaneTree {
         part: Part<'_, T>,
         account: &S::Account,
         mut keep: impl FnMut(&T, Hit, S::Account),
-    ) {
+    ) -> usize {
         let mut stacks = [[(0, 0.0); BVH2_STACK]; 8];
         for first in (0..part.len()).step_by(Self::WIDTH) {
             let mut group = Group::<S, T, 8>::new(&part, first, account, masks);
@@ -56,6 +56,7 @@ impl Searcher<Shear> for LaneTree {
             Lockstep::<Portable, S>::new(&self.0, &mut group.queries, &mut stacks).walk(working);
             group.keep(&mut keep);
         }
+        part.len()
     }
 }
 

@@ -41,12 +41,12 @@ impl Searcher<Shear> for PacketTree {
         part: Part<'_, T>,
         account: &S::Account,
         mut keep: impl FnMut(&T, Hit, S::Account),
-    ) {
+    ) -> usize {
         #[cfg(target_arch = "x86_64")]
         if S::AVX2 {
             return search::<Avx2, S, T>(&self.0, masks, &part, account, &mut keep);
         }
-        search::<Portable, S, T>(&self.0, masks, &part, account, &mut keep);
+        search::<Portable, S, T>(&self.0, masks, &part, account, &mut keep)
     }
 }
 
@@ -57,7 +57,7 @@ fn search<V: Vector, S: Variant<Ray = Shear>, T>(
     part: &Part<'_, T>,
     account: &S::Account,
     keep: &mut impl FnMut(&T, Hit, S::Account),
-) {
+) -> usize {
     let mut stack = [Waiting { reference: 0, rays: 0, near: [V::splat(0.0); 2] }; BVH2_STACK];
     for first in (0..part.len()).step_by(PacketTree::WIDTH) {
         let mut group = Group::<S, T, 16>::new(part, first, account, masks);
@@ -65,6 +65,7 @@ fn search<V: Vector, S: Variant<Ray = Shear>, T>(
         Packet::<V, S>::new(&mut group.queries, working).walk(tree, &mut stack);
         group.keep(&mut *keep);
     }
+    part.len()
 }
 
 /// What waits: a reference, the rays that enter its box, and where.

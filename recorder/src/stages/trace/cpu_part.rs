@@ -34,6 +34,14 @@ pub(super) struct Part<'a, T> {
     len: usize,
 }
 
+impl<T> Clone for Part<'_, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Part<'_, T> {}
+
 impl<'a, T> Part<'a, T> {
     /// Rays that are traced as they lie, and as many results.
     pub(super) fn new(rays: &'a [Ray], results: &'a [T]) -> Self {
@@ -45,21 +53,48 @@ impl<'a, T> Part<'a, T> {
         self.len
     }
 
+    /// So many of its rays, and those after them.
+    pub(super) fn split_at(self, count: usize) -> (Self, Self) {
+        let count = count.min(self.len);
+        let rest = match self.order {
+            Order::Stored => Self { rays: &self.rays[count..], results: &self.results[count..], ..self },
+            Order::Indirect(places) => Self { order: Order::Indirect(&places[count..]), ..self },
+        };
+        (Self { len: count, ..self }, Self { len: self.len - count, ..rest })
+    }
+
+    /// A ray.
+    #[inline(always)]
+    pub(super) fn ray(&self, at: usize) -> &'a Ray {
+        &self.rays[self.index(at)]
+    }
+
+    /// The place of a ray's result.
+    #[inline(always)]
+    pub(super) fn place(&self, at: usize) -> &'a T {
+        &self.results[self.index(at)]
+    }
+
+    #[inline(always)]
+    fn index(&self, at: usize) -> usize {
+        match self.order {
+            Order::Stored => at,
+            Order::Indirect(places) => places[at].load(Relaxed) as usize,
+        }
+    }
+
     /// A ray and the place of its result; what lies elsewhere is asked for ahead.
     #[inline(always)]
     pub(super) fn get(&self, at: usize) -> (&'a Ray, &'a T) {
-        let index = match self.order {
-            Order::Stored => at,
-            Order::Indirect(places) => {
-                // Beyond the part, too: most often the thread takes the next one.
-                if let Some(ahead) = places.get(at + AHEAD) {
-                    let ahead = ahead.load(Relaxed) as usize;
-                    prefetch(&self.rays[ahead]);
-                    prefetch_to_write(self.results, ahead);
-                }
-                places[at].load(Relaxed) as usize
-            }
-        };
+        if let Order::Indirect(places) = self.order
+            // Beyond the part, too: most often the thread takes the next one.
+            && let Some(ahead) = places.get(at + AHEAD)
+        {
+            let ahead = ahead.load(Relaxed) as usize;
+            prefetch(&self.rays[ahead]);
+            prefetch_to_write(self.results, ahead);
+        }
+        let index = self.index(at);
         (&self.rays[index], &self.results[index])
     }
 }

@@ -12,6 +12,8 @@ use super::triangle::{LeafTriangle, TriangleBlock, TriangleRay};
 
 /// What is kept of a ray's way beside its hit; nothing where rates are measured.
 pub(super) trait Account: Clone {
+    /// Whether anything is.
+    const IS_KEPT: bool = true;
     /// The children of a node are tested.
     fn node(&mut self, index: usize);
     /// Triangles that lie together at a place among the leaves are tested.
@@ -22,6 +24,8 @@ pub(super) trait Account: Clone {
 }
 
 impl Account for () {
+    const IS_KEPT: bool = false;
+
     #[inline(always)]
     fn node(&mut self, _index: usize) {}
 
@@ -263,14 +267,15 @@ pub(super) trait Tree: Sync {
 
 /// Traces the rays of a part by a triangle test `R`: each by itself through a [`Tree`], or several at once.
 pub(super) trait Searcher<R: TriangleRay>: Sync {
-    /// Finds what each ray asks for; `keep` takes the place of its result, its hit and its account.
+    /// Finds what each ray asks for, most often all of the part, and gives how many those were; `keep` takes the place
+    /// of a ray's result, its hit and its account.
     fn search<S: Variant<Ray = R>, T>(
         &self,
         masks: &Masks,
         part: Part<'_, T>,
         account: &S::Account,
         keep: impl FnMut(&T, Hit, S::Account),
-    );
+    ) -> usize;
 }
 
 impl<H: Tree, R: TriangleRay> Searcher<R> for H {
@@ -281,7 +286,7 @@ impl<H: Tree, R: TriangleRay> Searcher<R> for H {
         part: Part<'_, T>,
         account: &S::Account,
         mut keep: impl FnMut(&T, Hit, S::Account),
-    ) {
+    ) -> usize {
         let mut stack = H::stack();
         for at in 0..part.len() {
             let (ray, place) = part.get(at);
@@ -290,5 +295,6 @@ impl<H: Tree, R: TriangleRay> Searcher<R> for H {
             let (hit, account) = query.result();
             keep(place, hit, account);
         }
+        part.len()
     }
 }

@@ -33,8 +33,8 @@ const LINES: usize = size_of::<Node>() / size_of::<Line>();
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(super) struct Node {
-    planes: [[[f32; 8]; 2]; 3],
-    children: [u32; 8],
+    pub(super) planes: [[[f32; 8]; 2]; 3],
+    pub(super) children: [u32; 8],
 }
 
 /// Each level leaves at most seven children that wait; the last one pushes up to eight.
@@ -94,7 +94,7 @@ impl WideTree {
 
     /// The node that begins with a line.
     #[inline(always)]
-    fn node(&self, line: u32) -> &Node {
+    pub(super) fn node(&self, line: u32) -> &Node {
         let first = line as usize;
         let Some(lines) = self.lines[first..first + LINES].first_chunk::<LINES>() else {
             unreachable!("as many as a node has")
@@ -104,7 +104,7 @@ impl WideTree {
 
     /// Asks for a child ahead of its visit.
     #[inline(always)]
-    fn ask(&self, child: u32) {
+    pub(super) fn ask(&self, child: u32) {
         match WideNode::leaf(child) {
             (0, line) => {
                 (0..LINES).step_by(2).for_each(|part| prefetch_at(&self.lines, line as usize + part))
@@ -113,38 +113,48 @@ impl WideTree {
         }
     }
 
+    /// Tests the triangles of a leaf; true if the search is over.
+    #[inline(always)]
+    pub(super) fn test_leaf<S: Variant>(&self, query: &mut Query<'_, S>, leaf: u32) -> bool {
+        let (count, first) = WideNode::leaf(leaf);
+        for place in first as usize..(first + count) as usize {
+            let block = &self.blocks[place];
+            query.visit_leaf(place, || block.count());
+            let mut lanes = query.candidates(block);
+            while lanes != 0 {
+                let lane = (lanes.trailing_zeros() % TriangleBlock::TRIANGLES) as usize;
+                lanes &= lanes - 1;
+                if query.test_candidate(&block.triangle(lane, |triangle| query.mask(triangle))) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
     #[inline(always)]
     fn walk<T: WideTest, S: Variant>(&self, query: &mut Query<'_, S>, stack: &mut <Self as Tree>::Stack) {
         let test = T::new(query.origin, query.inverse, query.t_min, query.padding());
-        let mut waiting = Waiting { stack: &mut stack.0, count: 0 };
+        let mut waiting = Waiting::new(stack);
         let mut current = 0;
         loop {
             while current >> WideNode::FIRST_BITS == 0 {
                 query.visit(current as usize / LINES);
                 let node = self.node(current);
                 let (near, hits) = test.test(node, query.limit());
-                let ask = |child| self.ask(child);
+                let child = |slot: usize| node.children[slot];
+                let ask = |slot: usize| self.ask(node.children[slot]);
                 current = match hits {
                     0 => match waiting.pop::<S>(query.limit()) {
                         Some(child) => child,
                         None => return,
                     },
-                    _ if S::ANY => waiting.cheapest_of(node, hits, ask),
-                    _ => waiting.nearest_of(node, &near, hits, ask),
+                    _ if S::ANY => waiting.cheapest_of(child, hits, ask),
+                    _ => waiting.nearest_of(child, &near, hits, ask),
                 };
             }
-            let (count, first) = WideNode::leaf(current);
-            for place in first as usize..(first + count) as usize {
-                let block = &self.blocks[place];
-                query.visit_leaf(place, || block.count());
-                let mut lanes = query.candidates(block);
-                while lanes != 0 {
-                    let lane = (lanes.trailing_zeros() % TriangleBlock::TRIANGLES) as usize;
-                    lanes &= lanes - 1;
-                    if query.test_candidate(&block.triangle(lane, |triangle| query.mask(triangle))) {
-                        return;
-                    }
-                }
+            if self.test_leaf(query, current) {
+                return;
             }
             match waiting.pop::<S>(query.limit()) {
                 Some(child) => current = child,
@@ -175,24 +185,36 @@ impl Tree for WideTree {
 
 /// Children that wait: the bits of where the ray enters each in the upper half, so that integers are in the order
 /// of distances, the child in the lower half.
-struct Waiting<'a> {
+pub(super) struct Waiting<'a> {
     stack: &'a mut [u64; STACK],
     count: usize,
 }
 
-impl Waiting<'_> {
-    /// The nearest of the children that are hit, one at least; the others wait, the next one on top.
+impl<'a> Waiting<'a> {
+    /// None yet.
     #[inline(always)]
-    fn nearest_of(&mut self, node: &Node, near: &[f32; 8], mut hits: u32, ask: impl Fn(u32)) -> u32 {
+    pub(super) fn new(stack: &'a mut Stack) -> Self {
+        Self { stack: &mut stack.0, count: 0 }
+    }
+
+    /// The nearest of the children that are hit, one at least, given by their slots; the others wait, the next one
+    /// on top.
+    #[inline(always)]
+    pub(super) fn nearest_of(
+        &mut self,
+        child: impl Fn(usize) -> u32,
+        near: &[f32; 8],
+        mut hits: u32,
+        ask: impl Fn(usize),
+    ) -> u32 {
         let mut next = || {
             let slot = hits.trailing_zeros() as usize % 8;
             hits &= hits.wrapping_sub(1);
-            let child = node.children[slot];
             // The last one, and so the only one, would hardly be sooner there.
             if hits != 0 {
-                ask(child);
+                ask(slot);
             }
-            (u64::from(near[slot].to_bits()) << 32 | u64::from(child), hits == 0)
+            (u64::from(near[slot].to_bits()) << 32 | u64::from(child(slot)), hits == 0)
         };
         let (first, is_last) = next();
         if is_last {
@@ -228,15 +250,20 @@ impl Waiting<'_> {
     /// The last of the children that are hit, one at least, which is the cheapest to search by the order in which the
     /// builder puts them; the others wait in that order.
     #[inline(always)]
-    fn cheapest_of(&mut self, node: &Node, mut hits: u32, ask: impl Fn(u32)) -> u32 {
+    pub(super) fn cheapest_of(
+        &mut self,
+        child: impl Fn(usize) -> u32,
+        mut hits: u32,
+        ask: impl Fn(usize),
+    ) -> u32 {
         loop {
-            let child = node.children[hits.trailing_zeros() as usize % 8];
+            let slot = hits.trailing_zeros() as usize % 8;
             hits &= hits - 1;
             if hits == 0 {
-                return child;
+                return child(slot);
             }
-            ask(child);
-            self.push(u64::from(child));
+            ask(slot);
+            self.push(u64::from(child(slot)));
         }
     }
 
@@ -261,7 +288,7 @@ impl Waiting<'_> {
 
     /// The next child that is not beyond `limit`, as all are until any hit is found.
     #[inline(always)]
-    fn pop<S: Variant>(&mut self, limit: f32) -> Option<u32> {
+    pub(super) fn pop<S: Variant>(&mut self, limit: f32) -> Option<u32> {
         while self.count > 0 {
             self.count -= 1;
             let entry = self.stack[self.count % STACK];

@@ -42,6 +42,7 @@
 //! counts none), `triangles` the triangle tests.
 
 pub mod cpu;
+mod cpu_bundle;
 mod cpu_bvh2;
 mod cpu_cwbvh;
 mod cpu_group;

@@ -321,6 +321,61 @@ fn the_nearest_hit_beyond_t_min_is_found() {
     check_against_every_triangle("a part of each ray", &scene, &rays);
 }
 
+/// Eight rays at a time that start and go close to each other, aimed at corners, edges and anything else.
+fn neighbours(scene: &Scene, seed: u64) -> Vec<Ray> {
+    let mut random = Rng::with_seed(seed);
+    let mut rays = Vec::new();
+    for group in 0..500 {
+        let from = point(&mut random).map(|x| 3.0 * x - 1.0);
+        let [a, b, c] = scene.corners(random.usize(0..scene.triangles.len()));
+        let apart = [0.0, 1e-6, 1e-3, 0.03, 0.2][group % 5];
+        for _ in 0..8 {
+            let mut near = || point(&mut random).map(|x| apart * (x - 0.5));
+            let (start, end) = (near(), near());
+            let (u, v) = (random.f32(), if group % 2 == 0 { 0.0 } else { 0.3 });
+            let origin = [0, 1, 2].map(|axis| from[axis] + start[axis]);
+            let to = [0, 1, 2].map(|axis| {
+                let target = a[axis] + (b[axis] - a[axis]) * u + (c[axis] - a[axis]) * v;
+                target + if group % 3 == 0 { 0.0 } else { end[axis] } - origin[axis]
+            });
+            let length = to.map(|x| x * x).iter().sum::<f32>().sqrt();
+            let t_max = if group % 4 == 0 { length * random.f32() } else { f32::INFINITY };
+            rays.push(Ray { t_min: apart * random.f32(), t_max, ..ray(origin, to.map(|x| x / length)) });
+        }
+    }
+    rays
+}
+
+/// Fewer than eight rays are never traced together.
+#[test]
+fn rays_that_are_traced_together_find_what_each_finds_by_itself() {
+    for (name, scene) in [
+        ("a soup", soup(1500, 0.1, 51)),
+        ("a crowd", soup(400, 1.0, 52)),
+        ("walls", walls()),
+        ("a sphere", sphere(60, 0.5, [0.5; 3])),
+        ("masks", masked()),
+    ] {
+        let rays = neighbours(&scene, 53);
+        for (kernel, tracer) in tracers(&scene).into_iter().filter(|(name, _)| name.starts_with("wide")) {
+            let by_itself = |find: fn(&CpuTracer, &[Ray]) -> Vec<[u32; 4]>| {
+                rays.chunks(7).flat_map(|rays| find(&tracer, rays)).collect::<Vec<_>>()
+            };
+            let nearest = |tracer: &CpuTracer, rays: &[Ray]| closest(tracer, rays).iter().map(bits).collect();
+            let blocked = |tracer: &CpuTracer, rays: &[Ray]| {
+                occlusion(tracer, rays).iter().map(|distance| [distance.to_bits(), 0, 0, 0]).collect()
+            };
+            assert!(nearest(&tracer, &rays) == by_itself(nearest), "{name}, {kernel}");
+            assert!(blocked(&tracer, &rays) == by_itself(blocked), "{name}, {kernel}, shadow rays");
+            for kind in Kind::ALL {
+                let together =
+                    rays.chunks(8).filter(|rays| tracer.traced_together(rays, kind) == rays.len()).count();
+                assert!((50..450).contains(&together), "{name}, {kernel}, {kind}: {together} bundles of 500");
+            }
+        }
+    }
+}
+
 /// A soup with two masked materials, one of them without a texture.
 fn masked() -> Scene {
     let mut scene = soup(600, 0.4, 41);
