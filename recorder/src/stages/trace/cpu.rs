@@ -279,7 +279,7 @@ impl CpuTracer {
             let bundles = Bundles(tree);
             let bundled =
                 self.search_in::<_, A, Shear, T, IS_PADDED, IS_ANY>(&bundles, rest, account, &mut keep);
-            singles = if bundled > 0 { Bundles::RAYS } else { 8 * singles };
+            singles = if bundled > 0 { Bundles::RAYS } else { 32 * singles };
             let (some, others) = rest.split_at(bundled).1.split_at(singles);
             self.search_in::<_, A, Shear, T, IS_PADDED, IS_ANY>(tree, some, account, &mut keep);
             rest = others;

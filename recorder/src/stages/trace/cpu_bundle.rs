@@ -24,10 +24,11 @@ use super::cpu_wide::{Node, Stack, Waiting, WideTree};
 use super::mask::Masks;
 
 /// Directions of a bundle differ by less along each axis.
-const WIDEST: f32 = 0.3;
+const WIDEST: f32 = 0.15;
 
-/// Boxes that a bundle may enter beforehand, and for each ray that enters a leaf: found by measuring.
-const BOXES: i32 = 32;
+/// Boxes that a bundle may enter beforehand, of closest and of shadow rays, and for each ray that enters a leaf: found
+/// by measuring. A bundle that is given up has cost so much.
+const BOXES: [i32; 2] = [32, 16];
 const BOXES_PER_RAY: i32 = 3;
 
 /// The wide hierarchy, walked by bundles.
@@ -186,7 +187,7 @@ impl<V: Vector> Bundle<V> {
         for (limit, ray) in limits.iter_mut().zip(&*rays) {
             *limit = ray.limit();
         }
-        let (mut line, mut limit, mut boxes) = (0, greatest(&limits), BOXES);
+        let (mut line, mut limit, mut boxes) = (0, greatest(&limits), BOXES[usize::from(S::ANY)]);
         loop {
             let node = tree.node(line);
             let (near, hits) = self.test(node, limit);
