@@ -28,7 +28,7 @@ const WIDEST: f32 = 0.15;
 
 /// Boxes that a bundle may enter beforehand, of closest and of shadow rays, and for each ray that enters a leaf: found
 /// by measuring. A bundle that is given up has cost so much.
-const BOXES: [i32; 2] = [32, 16];
+const BOXES: [i32; 2] = [32, 24];
 const BOXES_PER_RAY: i32 = 3;
 
 /// The wide hierarchy, walked by bundles.
@@ -197,7 +197,7 @@ impl<V: Vector> Bundle<V> {
             }
             // Children are named by where they lie, since a leaf's box is asked for again.
             let place = |slot: usize| line << 3 | slot as u32;
-            let ask = |slot: usize| tree.ask(node.children[slot]);
+            let ask = |slot: usize, _: u32| tree.ask(node.children[slot]);
             let mut next = match hits {
                 0 => waiting.pop::<S>(limit),
                 _ if S::ANY => Some(waiting.cheapest_of(place, hits, ask)),

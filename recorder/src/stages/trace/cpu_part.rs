@@ -86,15 +86,18 @@ impl<'a, T> Part<'a, T> {
     /// A ray and the place of its result; what lies elsewhere is asked for ahead.
     #[inline(always)]
     pub(super) fn get(&self, at: usize) -> (&'a Ray, &'a T) {
-        if let Order::Indirect(places) = self.order
-            // Beyond the part, too: most often the thread takes the next one.
-            && let Some(ahead) = places.get(at + AHEAD)
-        {
-            let ahead = ahead.load(Relaxed) as usize;
-            prefetch(&self.rays[ahead]);
-            prefetch_to_write(self.results, ahead);
-        }
-        let index = self.index(at);
+        let index = match self.order {
+            Order::Stored => at,
+            Order::Indirect(places) => {
+                // Beyond the part, too: most often the thread takes the next one.
+                if let Some(ahead) = places.get(at + AHEAD) {
+                    let ahead = ahead.load(Relaxed) as usize;
+                    prefetch(&self.rays[ahead]);
+                    prefetch_to_write(self.results, ahead);
+                }
+                places[at].load(Relaxed) as usize
+            }
+        };
         (&self.rays[index], &self.results[index])
     }
 }

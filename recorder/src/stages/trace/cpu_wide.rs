@@ -143,7 +143,7 @@ impl WideTree {
                 let node = self.node(current);
                 let (near, hits) = test.test(node, query.limit());
                 let child = |slot: usize| node.children[slot];
-                let ask = |slot: usize| self.ask(node.children[slot]);
+                let ask = |_: usize, child: u32| self.ask(child);
                 current = match hits {
                     0 => match waiting.pop::<S>(query.limit()) {
                         Some(child) => child,
@@ -205,16 +205,17 @@ impl<'a> Waiting<'a> {
         child: impl Fn(usize) -> u32,
         near: &[f32; 8],
         mut hits: u32,
-        ask: impl Fn(usize),
+        ask: impl Fn(usize, u32),
     ) -> u32 {
         let mut next = || {
             let slot = hits.trailing_zeros() as usize % 8;
             hits &= hits.wrapping_sub(1);
+            let child = child(slot);
             // The last one, and so the only one, would hardly be sooner there.
             if hits != 0 {
-                ask(slot);
+                ask(slot, child);
             }
-            (u64::from(near[slot].to_bits()) << 32 | u64::from(child(slot)), hits == 0)
+            (u64::from(near[slot].to_bits()) << 32 | u64::from(child), hits == 0)
         };
         let (first, is_last) = next();
         if is_last {
@@ -254,16 +255,17 @@ impl<'a> Waiting<'a> {
         &mut self,
         child: impl Fn(usize) -> u32,
         mut hits: u32,
-        ask: impl Fn(usize),
+        ask: impl Fn(usize, u32),
     ) -> u32 {
         loop {
             let slot = hits.trailing_zeros() as usize % 8;
+            let child = child(slot);
             hits &= hits - 1;
             if hits == 0 {
-                return child(slot);
+                return child;
             }
-            ask(slot);
-            self.push(u64::from(child(slot)));
+            ask(slot, child);
+            self.push(u64::from(child));
         }
     }
 
