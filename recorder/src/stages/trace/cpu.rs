@@ -265,8 +265,8 @@ impl CpuTracer {
         }
     }
 
-    /// The same by bundles where rays make some that are worth it; after some that do not, bundles are tried again behind
-    /// ever more rays.
+    /// The same by bundles as long as those are worth it: after one that is not eight rays are traced one by one, and all
+    /// that are left where the next one is not, either.
     fn search_wide<A: Account, T, const IS_PADDED: bool, const IS_ANY: bool>(
         &self,
         tree: &WideTree,
@@ -274,12 +274,12 @@ impl CpuTracer {
         account: &A,
         mut keep: impl FnMut(&T, Hit, A),
     ) {
-        let (mut rest, mut singles) = (part, Bundles::RAYS);
+        let mut rest = part;
         while rest.len() > 0 {
             let bundles = Bundles(tree);
             let bundled =
                 self.search_in::<_, A, Shear, T, IS_PADDED, IS_ANY>(&bundles, rest, account, &mut keep);
-            singles = if bundled > 0 { Bundles::RAYS } else { 32 * singles };
+            let singles = if bundled > 0 { Bundles::RAYS } else { rest.len() };
             let (some, others) = rest.split_at(bundled).1.split_at(singles);
             self.search_in::<_, A, Shear, T, IS_PADDED, IS_ANY>(tree, some, account, &mut keep);
             rest = others;
