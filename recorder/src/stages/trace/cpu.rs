@@ -265,8 +265,8 @@ impl CpuTracer {
         }
     }
 
-    /// The same by bundles as long as those are worth it: after one that is not eight rays are traced one by one, and all
-    /// that are left where the next one is not, either.
+    /// The same by bundles as long as those are worth it. Where one is not, its eight rays are traced one by one; where
+    /// the next one, or the first, is not either, so are all that are left.
     fn search_wide<A: Account, T, const IS_PADDED: bool, const IS_ANY: bool>(
         &self,
         tree: &WideTree,

@@ -3,9 +3,9 @@
 //!
 //! What a ray computes of a box grows or falls with its origin and with the reciprocals of its direction, rounding
 //! included. So a node's boxes are tested by bounds on those, which let through whatever one of the rays enters;
-//! a leaf's box is tested by each ray for itself. Nothing is left out that a ray may hit, and what it hits comes in the
-//! order in which the ray by itself would come to it: nearest hits, and what blocks a shadow ray, are the same bit
-//! for bit.
+//! a leaf's box is tested by each ray for itself. Nothing is left out that a ray may hit, and a shadow ray
+//! comes to what it may hit in the order in which it would come there by itself: nearest hits, and what blocks a shadow
+//! ray, are the same bit for bit.
 //!
 //! A bundle that must visit too much for what its rays find together is given up, and its rays are traced one by one.
 
@@ -66,7 +66,7 @@ fn search<V: Vector, S: Variant<Ray = Shear>, T>(
     mut keep: impl FnMut(&T, Hit, S::Account),
 ) -> usize {
     let mut stack = WideTree::stack();
-    let mut queries: Vec<Query<'_, S>> = Vec::with_capacity(Bundles::RAYS);
+    let mut queries: Vec<Query<'_, S>> = Vec::new();
     for first in (0..part.len()).step_by(Bundles::RAYS) {
         let Some(cone) = Cone::around(part, first) else { return first };
         queries.extend(cone.places().map(|at| Query::new(part.get(at).0, account.clone(), masks)));
