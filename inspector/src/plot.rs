@@ -6,6 +6,7 @@ use clap::Args;
 use formats::key::Termination;
 use formats::key::method::{CONTROL, Method, WITHOUT_LAYOUT};
 use formats::manifest::{Backend, Header, Manifest, MethodRecord, Options, Source};
+use formats::metrics::speedup::Verdict;
 use formats::reader::Dump;
 use formats::summary::hexadecimal;
 use formats::text::shell_word;
@@ -13,7 +14,6 @@ use serde::Serialize;
 
 use crate::analysis::study::StudyGroup;
 use crate::analysis::summary::{RayClass, distinct};
-use crate::analysis::timing::Verdict;
 use crate::analysis::{Analysis, FrameAnalysis, RecordingAnalysis};
 use crate::figures::catalogue::Skipped;
 use crate::figures::catalogue::study::label;

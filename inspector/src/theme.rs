@@ -2,8 +2,8 @@
 
 use egui::{Color32, Theme as Mode};
 use formats::manifest::Stage;
+use formats::metrics::speedup::Verdict;
 
-use crate::analysis::timing::Verdict;
 use crate::figures::style;
 
 /// A colour as shaders take it: red, green, blue, alpha, 0 to 1, in sRGB.

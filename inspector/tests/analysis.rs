@@ -10,12 +10,11 @@ use formats::manifest::{
     End, MethodArray, Outcome, Place, QueueArray, QueueRecord, Record, Source, Stage, TimingRecord,
 };
 use formats::metrics::capsule::{Capsule, Segment};
-use formats::metrics::speedup::median;
+use formats::metrics::speedup::{Verdict, median};
 use formats::ray::{Kind, Ray, Work};
 use formats::reader::{Dump, Loaded};
 use formats::traced::Traced;
 use formats::writer::DumpWriter;
-use inspector::analysis::timing::Verdict;
 use inspector::analysis::{Analysis, AnalysisOptions, Depth, GroupWidth, analyse};
 
 #[path = "../../formats/tests/sample/mod.rs"]

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::noise::Noise;
 use super::samples::Samples;
-use super::speedup::{Speedup, median};
+use super::speedup::{Speedup, Verdict, median};
 use crate::key::Termination;
 use crate::key::method::{AUTO, CONTROL, SHUFFLED, UNSORTED};
 use crate::manifest::{LEFT_ALONE, Manifest, QueueId};
@@ -225,7 +225,8 @@ impl Frame {
             };
             let net_of = |kind: Kind| of(kind).and_then(|_| net(&[kind]));
             let net = if ordered.is_empty() { None } else { net(&Kind::ALL) };
-            let verdict = if ordered.is_empty() { LEFT_ALONE } else { verdict(net, error) };
+            let verdict = net.map_or("", |net| net.verdict(error).on_sorting());
+            let verdict = if ordered.is_empty() { LEFT_ALONE } else { verdict };
             FrameRow {
                 method: method.to_owned(),
                 secondary: trace(Kind::Closest),
@@ -341,10 +342,10 @@ impl Frame {
     fn of_one_kind(&self) -> String {
         let [of_secondary, of_shadow] = self.instrument_errors;
         let best = |name: &str, error: f64, net: fn(&FrameRow) -> Option<Speedup>| {
-            let sure = self.rows.iter().filter(|row| verdict(net(row), error) == PAYS);
-            let nets = sure.filter_map(|row| Some((row, net(row)?)));
+            let nets = self.rows.iter().filter_map(|row| Some((row, net(row)?)));
+            let sure = nets.filter(|(_, net)| net.verdict(error) == Verdict::Faster);
             let (row, Speedup { ratio, interval }) =
-                nets.max_by(|(_, a), (_, b)| a.ratio.total_cmp(&b.ratio))?;
+                sure.max_by(|(_, a), (_, b)| a.ratio.total_cmp(&b.ratio))?;
             let (low, high) = interval?;
             let method = one_line(&row.method, LONG_NAME);
             Some(format!(" Of {name} rays alone it pays: {ratio:.2}× by {method}, {low:.2} to {high:.2}."))
@@ -378,18 +379,8 @@ fn costly(count: usize) -> String {
     }
 }
 
-const PAYS: &str = "pays";
-const COSTS: &str = "costs";
-
-/// What an interval says beside the instrument's error.
-fn verdict(net: Option<Speedup>, error: f64) -> &'static str {
-    match net.and_then(|net| net.interval) {
-        Some((low, _)) if low > 1.0 + error => PAYS,
-        Some((_, high)) if high < 1.0 - error => COSTS,
-        Some(_) => "level",
-        None => "",
-    }
-}
+const PAYS: &str = Verdict::Faster.on_sorting();
+const COSTS: &str = Verdict::Slower.on_sorting();
 
 /// How far canonical order through the same stages is from a speedup of 1, on rays of this kind.
 fn error_of(times: &[FrameTimes], kind: Kind) -> f64 {
@@ -406,8 +397,9 @@ impl FrameRow {
     fn text(&self, errors: [f64; 2]) -> String {
         let [of_secondary, of_shadow] = errors;
         let times = |speedup: Option<Speedup>, error: f64| {
-            let mark = if [PAYS, COSTS].contains(&verdict(speedup, error)) { "*" } else { " " };
-            speedup.map_or("– ".to_owned(), |one| format!("{:.2}×{mark}", one.ratio))
+            let Some(speedup) = speedup else { return "– ".to_owned() };
+            let is_sure = matches!(speedup.verdict(error), Verdict::Faster | Verdict::Slower);
+            format!("{:.2}×{}", speedup.ratio, if is_sure { "*" } else { " " })
         };
         let interval = self.net.and_then(|net| net.interval);
         let interval = interval.map_or(String::new(), |(low, high)| format!("{low:.2}–{high:.2}  "));
@@ -472,11 +464,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_control_misses_is_no_gain() {
-        let net = speedup(1.02, 1.01, 1.04);
-        assert_eq!([0.0, 0.016].map(|error| verdict(net, error)), [PAYS, "level"]);
-        let net = speedup(0.98, 0.96, 0.99);
-        assert_eq!([0.0, 0.016].map(|error| verdict(net, error)), [COSTS, "level"]);
+    fn what_a_control_misses_counts_by_kind_of_rays() {
         let times = |method: &str, kind, traced_ns: u64| FrameTimes {
             kind,
             method: method.into(),

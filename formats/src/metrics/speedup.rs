@@ -24,6 +24,45 @@ pub struct Speedup {
     pub interval: Option<(f64, f64)>,
 }
 
+/// What a speedup says beside a control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// All of the interval is above 1, and farther from it than the control.
+    Faster,
+    /// All of it is below 1, and farther from it than the control.
+    Slower,
+    /// The interval contains 1.
+    NoSignificantDifference,
+    /// It does not, but begins or ends no farther from 1 than the control of these rays lies.
+    WithinControl,
+    /// There are too few samples for an interval, or samples of two runs, which are no pairs.
+    Unknown,
+}
+
+impl Verdict {
+    /// What it says in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Faster => "faster",
+            Self::Slower => "slower",
+            Self::NoSignificantDifference => "no significant difference",
+            Self::WithinControl => "within what the control is off by",
+            Self::Unknown => "no interval: fewer than 6 rounds, or two runs",
+        }
+    }
+
+    /// What it says of sorting, as that of a net speedup, in a word; none where nothing is known.
+    pub const fn on_sorting(self) -> &'static str {
+        match self {
+            Self::Faster => "pays",
+            Self::Slower => "costs",
+            Self::NoSignificantDifference | Self::WithinControl => "level",
+            Self::Unknown => "",
+        }
+    }
+}
+
 impl Speedup {
     /// Of a method over a baseline that was measured in the same rounds, nanoseconds each; rounds that one of
     /// them lacks do not count. What slows a whole round down cancels. `None` without a round.
@@ -44,6 +83,17 @@ impl Speedup {
         medians.sort_by(f64::total_cmp);
         let tail = (RESAMPLES as f64 * tail_of(ratios.len())) as usize;
         Some(Self { ratio, interval: Some((medians[tail], medians[RESAMPLES - 1 - tail])) })
+    }
+
+    /// What it says beside a control that misses 1 by `error`.
+    pub fn verdict(&self, error: f64) -> Verdict {
+        match self.interval {
+            None => Verdict::Unknown,
+            Some((low, _)) if low > 1.0 + error => Verdict::Faster,
+            Some((_, high)) if high < 1.0 - error => Verdict::Slower,
+            Some(_) if self.is_significant() => Verdict::WithinControl,
+            Some(_) => Verdict::NoSignificantDifference,
+        }
     }
 
     /// Whether the interval excludes 1; without an interval nothing is known.
@@ -248,6 +298,18 @@ mod tests {
         assert!(!noise.is_significant(), "{noise:?}");
         assert_eq!(Speedup::of(&[100; 5], &[50; 5]).unwrap(), Speedup { ratio: 2.0, interval: None });
         assert_eq!(Speedup::of(&[], &[50]), None);
+    }
+
+    #[test]
+    fn what_the_control_misses_is_no_gain() {
+        let of = |low: f64, high: f64| Speedup { ratio: (low + high) / 2.0, interval: Some((low, high)) };
+        let beside = |error: f64| {
+            [of(1.01, 1.04), of(0.96, 0.99), of(0.99, 1.5)].map(|speedup| speedup.verdict(error))
+        };
+        assert_eq!(beside(0.0), [Verdict::Faster, Verdict::Slower, Verdict::NoSignificantDifference]);
+        let [within, level] = [Verdict::WithinControl, Verdict::NoSignificantDifference];
+        assert_eq!(beside(0.01), [within, within, level], "as far from 1 as the control");
+        assert_eq!(Speedup { ratio: 2.0, interval: None }.verdict(0.0), Verdict::Unknown);
     }
 
     #[test]

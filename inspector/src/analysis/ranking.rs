@@ -4,11 +4,12 @@ use std::cmp::Ordering;
 
 use formats::key::method::{REFERENCES, UNSORTED};
 use formats::manifest::QueueId;
+use formats::metrics::speedup::Verdict;
 use formats::ray::Kind;
 
 use super::coherence::{Coherence, LaneUtilisation, of_warp};
 use super::summary::RayClass;
-use super::timing::{SpeedupLine, Verdict};
+use super::timing::SpeedupLine;
 use super::{Metric, QueueAnalysis, RecordingAnalysis, Versus};
 
 /// One of the orders. Speedups are over unsorted rays, on the whole frame: closest and shadow rays of all bounces.

@@ -1,11 +1,11 @@
 //! Per machine, rays and method: the whole frame, means over recordings.
 
 use formats::key::method::UNSORTED;
-use formats::metrics::speedup::geometric_mean;
+use formats::metrics::speedup::{Verdict, geometric_mean};
 use formats::ray::Kind;
 use serde::Serialize;
 
-use super::timing::{SpeedupLine, Verdict};
+use super::timing::SpeedupLine;
 use super::{FrameAnalysis, Metric, QueueAnalysis, RecordingAnalysis};
 
 /// The rays that a mean is taken over.

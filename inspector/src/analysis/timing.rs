@@ -2,7 +2,7 @@
 
 use formats::manifest::Stage;
 use formats::metrics::bandwidth::{Traffic, bytes_per_second};
-use formats::metrics::speedup::{Speedup, StageSamples, median, quantile};
+use formats::metrics::speedup::{Speedup, StageSamples, Verdict, median, quantile};
 use serde::{Deserialize, Serialize};
 
 /// Samples of one time.
@@ -45,35 +45,6 @@ pub struct StageTime {
     pub bytes_per_second: Option<f64>,
 }
 
-/// What a speedup says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    /// All of the interval is above 1.
-    Faster,
-    /// All of it is below 1.
-    Slower,
-    /// The interval contains 1.
-    NoSignificantDifference,
-    /// It does not, but begins or ends no farther from 1 than the control of these rays lies.
-    WithinControl,
-    /// There are too few samples for an interval, or samples of two runs, which are no pairs.
-    Unknown,
-}
-
-impl Verdict {
-    /// What it says in words.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Faster => "faster",
-            Self::Slower => "slower",
-            Self::NoSignificantDifference => "no significant difference",
-            Self::WithinControl => "within what the control is off by",
-            Self::Unknown => "no interval: fewer than 6 rounds, or two runs",
-        }
-    }
-}
-
 /// A speedup over the trace of unsorted rays.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpeedupLine {
@@ -98,24 +69,15 @@ impl SpeedupLine {
 
     /// The same beside a control that misses 1 by `error`.
     pub fn beyond(self, error: f64) -> Self {
-        let verdict = match (self.verdict, self.interval) {
-            (Verdict::Faster, Some((low, _))) if low <= 1.0 + error => Verdict::WithinControl,
-            (Verdict::Slower, Some((_, high))) if high >= 1.0 - error => Verdict::WithinControl,
-            (verdict, _) => verdict,
-        };
-        Self { verdict, ..self }
+        let Self { ratio, interval, .. } = self;
+        Self { verdict: Speedup { ratio, interval }.verdict(error), ..self }
     }
 
     /// Of `method` over `baseline`; `None` if either has no samples.
     pub fn of(baseline: &[u64], method: &[u64]) -> Option<Self> {
-        let Speedup { ratio, interval } = Speedup::of(baseline, method)?;
-        let verdict = match interval {
-            None => Verdict::Unknown,
-            Some((low, _)) if low > 1.0 => Verdict::Faster,
-            Some((_, high)) if high < 1.0 => Verdict::Slower,
-            Some(_) => Verdict::NoSignificantDifference,
-        };
-        Some(Self { ratio, interval, verdict, n: method.len() })
+        let speedup = Speedup::of(baseline, method)?;
+        let Speedup { ratio, interval } = speedup;
+        Some(Self { ratio, interval, verdict: speedup.verdict(0.0), n: method.len() })
     }
 }
 
@@ -150,17 +112,6 @@ pub fn stages(samples: &StageSamples, traffic: &Traffic, rays: u64) -> Vec<Stage
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn verdicts_follow_the_interval() {
-        let verdict = |baseline: &[u64], method: &[u64]| SpeedupLine::of(baseline, method).unwrap().verdict;
-        let (slow, fast) = ([200, 201, 199, 200, 202, 198], [100, 101, 99, 101, 99, 100]);
-        assert_eq!(verdict(&slow, &fast), Verdict::Faster);
-        assert_eq!(verdict(&fast, &slow), Verdict::Slower);
-        assert_eq!(verdict(&slow, &[201, 200, 200, 199, 203, 197]), Verdict::NoSignificantDifference);
-        assert_eq!(verdict(&[90], &[92]), Verdict::Unknown);
-        assert_eq!(SpeedupLine::of(&[], &[1]), None);
-    }
 
     #[test]
     fn rates_are_rays_over_medians() {

@@ -1,11 +1,12 @@
 //! Order B against order A: on one queue, and on the whole frame.
 
 use formats::key::method::UNSORTED;
+use formats::metrics::speedup::Verdict;
 use serde::Serialize;
 
 use super::frame::{summed, traced};
 use super::summary::{RayClass, distinct};
-use super::timing::{SpeedupLine, Time, Verdict};
+use super::timing::{SpeedupLine, Time};
 use super::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 
 /// An order of a recording: a method, or `unsorted`.

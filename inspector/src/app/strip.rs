@@ -5,10 +5,11 @@ use std::collections::BTreeSet;
 use egui::{RichText, Ui};
 use formats::key::method::UNSORTED;
 use formats::manifest::QueueId;
+use formats::metrics::speedup::Verdict;
 use formats::ray::Kind;
 
 use crate::analysis::summary::RayClass;
-use crate::analysis::timing::{SpeedupLine, Verdict};
+use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{Metric, OrderAnalysis, Versus};
 use crate::model::selection::Selection;
 use crate::model::what_if::WHAT_IF;

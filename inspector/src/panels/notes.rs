@@ -2,10 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use formats::metrics::speedup::Verdict;
 use formats::ray::Work;
 
 use crate::analysis::GroupWidth;
-use crate::analysis::timing::{SpeedupLine, Verdict};
+use crate::analysis::timing::SpeedupLine;
 use crate::figures::style::COLOURS;
 use crate::model::key::{ReadKey, field_text};
 use crate::model::{Absent, Context, Order};

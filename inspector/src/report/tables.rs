@@ -4,14 +4,13 @@ use formats::bench_result::{BenchResult, Rows, SortRow};
 use formats::key::method::{AUTO, CONTROL, UNSORTED};
 use formats::manifest::{LEFT_ALONE, Stage};
 use formats::metrics::correlation::Correlation;
-use formats::metrics::speedup::median;
+use formats::metrics::speedup::{Verdict, median};
 use formats::ray::Kind;
 
 use super::table::{Cell, Table};
 use crate::analysis::order::Varied;
 use crate::analysis::study::StudyGroup;
 use crate::analysis::summary::{RayClass, distinct};
-use crate::analysis::timing::Verdict;
 use crate::analysis::{Analysis, FrameAnalysis, Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::figures::catalogue::building::machine;
 use crate::figures::catalogue::study::label;

@@ -10,7 +10,7 @@ use std::convert::Infallible;
 
 use formats::key::method::CONTROL;
 use formats::metrics::frame::FrameTimes;
-use formats::metrics::speedup::{Speedup, geometric_mean};
+use formats::metrics::speedup::{Speedup, Verdict, geometric_mean};
 use formats::metrics::views::{self, mean_of_scene, mean_over_views};
 use formats::ray::Kind;
 use formats::reader::Dump;
@@ -176,13 +176,12 @@ impl StudyGroup {
     /// Whether a method's net speedup lies beyond 1 and what the control of these rays misses it by, on all views that
     /// have such rays: a mean over others is not to be compared.
     pub fn is_shown_to_pay(&self, row: &StudyRow) -> bool {
-        if row.net.as_ref().is_none_or(|net| net.views < self.views_of(row.rays)) {
+        let Some(net) = row.net.as_ref().filter(|net| net.views >= self.views_of(row.rays)) else {
             return false;
-        }
+        };
         let control = self.rows.iter().find(|other| other.rays == row.rays && other.method == CONTROL);
         let error = control.map_or(0.0, |control| (control.trace.mean.ratio - 1.0).abs());
-        let interval = row.net.as_ref().and_then(|net| net.mean.interval);
-        interval.is_some_and(|(low, _)| low > 1.0 + error)
+        net.mean.verdict(error) == Verdict::Faster
     }
 
     /// The rows of a kind of rays: methods, or in a sweep their variants.

@@ -4,7 +4,7 @@ use clap::Args;
 use comfy_table::Table;
 use formats::bench_result::RenderRow;
 use formats::key::method::CONTROL;
-use formats::metrics::speedup::{Speedup, median};
+use formats::metrics::speedup::median;
 
 use super::{milliseconds, table_of};
 use crate::bench::Runs;
@@ -79,36 +79,26 @@ impl RenderArguments {
 
 pub(super) fn table(rows: &[RenderRow]) -> Table {
     let mut table = table_of(
-        "scene | order | frame ms | tracing | reordering | shading | faster than unsorted | sorting | \
-         shading alone | materials, branches of 32",
+        "scene | order | frame ms | faster than unsorted | sorting | tracing, reordering, shading | shading alone",
     );
     for row in rows {
-        let share = |part_ns: Option<f64>| match (part_ns, median(&row.frame_ns)) {
-            (Some(part_ns), Some(frame_ns)) => format!("{:.0} %", part_ns / frame_ns.max(1.0) * 100.0),
-            _ => String::new(),
+        let parts = [row.trace_ns.clone(), row.reorder_ns.clone(), row.shade_ns().collect()];
+        let share = |part_ns: &Vec<u64>| {
+            let (part_ns, frame_ns) = (median(part_ns)?, median(&row.frame_ns)?);
+            Some(format!("{:.0}", part_ns / frame_ns.max(1.0) * 100.0))
         };
-        let shading: Vec<u64> = row.shade_ns().collect();
+        let shares: Option<Vec<String>> = parts.iter().map(share).collect();
+        // The control moves paths, which is no error of the clock.
+        let net = row.speedup.filter(|_| row.method != CONTROL);
         table.add_row([
             row.scene.clone(),
             row.method.clone(),
             milliseconds(&row.frame_ns),
-            share(median(&row.trace_ns)),
-            share(median(&row.reorder_ns)),
-            share(median(&shading)),
             speedup(row.speedup),
-            row.speedup.filter(|_| row.method != CONTROL).map_or("", verdict).to_owned(),
+            net.map_or("", |net| net.verdict(0.0).on_sorting()).to_owned(),
+            shares.map_or(String::new(), |shares| shares.join(", ") + " %"),
             speedup(row.shade_speedup),
-            row.coherence.map_or(String::new(), |of| format!("{:.1}, {:.1}", of.materials, of.branches)),
         ]);
     }
     table
-}
-
-/// What an interval says of paying for an order.
-fn verdict(speedup: Speedup) -> &'static str {
-    match speedup.interval {
-        Some((low, _)) if low > 1.0 => "pays",
-        Some((_, high)) if high < 1.0 => "does not pay",
-        _ => "not shown",
-    }
 }
