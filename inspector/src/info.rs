@@ -3,14 +3,18 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use formats::manifest::{Header, Manifest, Options, Source, Stage};
+use comfy_table::Table;
+use formats::key::method::CONTROL;
+use formats::manifest::{Header, LEFT_ALONE, Manifest, Options, QueueId, QueueRecord, Source, Stage};
 use formats::metrics::frame::{COLUMNS, Frame};
+use formats::ray::Kind;
 use formats::reader::{Dump, DumpState};
 use formats::study::Study;
 use formats::summary::{Summary, TimingLine, hexadecimal};
 use formats::text::{one_line, wrapped};
 use serde::Serialize;
 
+use crate::analysis::timing::stage_name;
 use crate::analysis::{Analysis, AnalysisOptions, Depth, StudyAnalysis, analyse};
 use crate::method_table;
 use crate::output::{count, counted, print, print_json, say, size, sum, table, time};
@@ -76,7 +80,7 @@ pub(crate) fn run(path: &Path, json: bool, details: bool, options: &AnalysisOpti
     }
     let shown = shown::header(&dump.manifest().header);
     let mut parts = if details {
-        vec![facts(&summary, &shown, source_is), queues(&summary), timings(&summary)]
+        vec![facts(&summary, &shown, source_is), queues(&summary, analysis.as_ref())]
     } else {
         vec![in_short(&summary, &shown, source_is), Frame::of(dump.manifest()).text()]
     };
@@ -183,9 +187,6 @@ fn facts(summary: &Summary, shown: &Header, source_is: Option<SourceIs>) -> Stri
     lines.extend(source_line(shown, source_is).map(|line| ("source", line)));
     lines.extend(scene_lines(summary, shown));
     lines.push(("backend", format!("{}, timed by {}", machine_line(shown), shown.time_source)));
-    for decision in &summary.decisions {
-        lines.push(("auto", format!("{}: {}", decision.queue, one_line(&decision.chosen(), 200))));
-    }
     lines.push(("options", options_line(options)));
     lines.push((
         "",
@@ -286,62 +287,84 @@ fn or_none(names: &[String]) -> String {
     if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }
 
-fn queues(summary: &Summary) -> String {
+/// Each queue: how many rays, what `auto` chose for them, and a table of what each order takes.
+fn queues(summary: &Summary, analysis: Option<&Analysis>) -> String {
     if summary.queues.is_empty() {
         return "No queue was complete.".to_owned();
     }
-    let mut table = table(&["kind", "pass", "bounce", "rays", "methods", "differing results"], 1);
-    for queue in &summary.queues {
-        let differing = sum(queue.mismatches.iter().map(|mismatch| mismatch.rays));
-        let methods = queue.methods.len().to_string();
-        table.add_row([
-            queue.id.kind.to_string(),
-            queue.id.pass.to_string(),
-            queue.id.bounce.to_string(),
-            count(queue.rays),
-            methods,
-            count(differing),
-        ]);
-    }
-    format!("Queues\n{table}")
-}
-
-/// One line per queue and method, one column per stage that was timed: median ± interquartile range.
-fn timings(summary: &Summary) -> String {
-    if summary.timings.is_empty() {
-        return "Nothing was timed.".to_owned();
-    }
-    let all = Stage::OF_ORDERS.into_iter().chain([Stage::Generate, Stage::Shade]).map(Stage::name);
-    let timed: Vec<&str> =
-        all.filter(|stage| summary.timings.iter().any(|timing| timing.stage == *stage)).collect();
-    let mut rows: BTreeMap<_, BTreeMap<&str, &TimingLine>> = BTreeMap::new();
-    for timing in &summary.timings {
-        let at_method = summary.options.methods.iter().position(|method| *method == timing.method);
-        let row = (timing.pass, timing.bounce, timing.kind, at_method, timing.method.as_str());
-        rows.entry(row).or_default().insert(timing.stage, timing);
-    }
-    let header: Vec<&str> =
-        ["kind", "method", "pass", "bounce"].into_iter().chain(timed.iter().copied()).collect();
-    let mut table = table(&header, 2);
-    for ((pass, bounce, kind, _, method), stages) in rows {
-        let kind = kind.map_or("–".to_owned(), |kind| kind.to_string());
-        let cells =
-            timed.iter().map(|stage| stages.get(stage).map_or(String::new(), |timing| sample(timing)));
-        table.add_row(
-            [kind, shown::name(method), pass.to_string(), bounce.to_string()].into_iter().chain(cells),
+    let of_queue = |queue: &QueueRecord| {
+        let QueueId { pass, bounce, kind } = queue.id;
+        let mut heading = vec![format!("Pass {pass}, bounce {bounce}, {kind}: {} rays", count(queue.rays))];
+        let shared = summary.timings.iter().filter(|timing| {
+            (timing.pass, timing.bounce, timing.kind) == (pass, bounce, None) && kind == Kind::Closest
+        });
+        heading.extend(
+            shared.map(|timing| format!("{} {}", timing.stage, time(timing.median_ns.unwrap_or(0.0)))),
         );
-    }
-    format!("Times: median ± interquartile range\n{table}")
+        let decision = summary.decisions.iter().find(|decision| decision.queue == queue.id);
+        heading.extend(decision.map(|decision| format!("auto: {}", one_line(&decision.chosen(), 200))));
+        let differing = sum(queue.mismatches.iter().map(|mismatch| mismatch.rays));
+        heading
+            .extend((differing > 0).then(|| format!("{} results differ between orders", count(differing))));
+        let heading = wrapped(&heading.join("; "), COLUMNS, 2);
+        match times(summary, queue.id, analysis) {
+            Some(table) => format!("{heading}\n{table}"),
+            None => heading,
+        }
+    };
+    let queues: Vec<String> = summary.queues.iter().map(of_queue).collect();
+    format!(
+        "Queues: medians in ms; net speedups over unsorted rays with their 95 % intervals\n{}",
+        queues.join("\n")
+    )
 }
 
-fn sample(timing: &TimingLine) -> String {
-    match (timing.median_ns, timing.iqr_ns) {
-        (Some(median_ns), Some(iqr_ns)) if timing.samples > 1 => {
-            format!("{} ± {}", time(median_ns), time(iqr_ns))
-        }
-        (Some(median_ns), _) => time(median_ns),
-        (None, _) => String::new(),
+/// What each order of a queue takes, stage by stage, and what that comes to; `None` if nothing was timed.
+fn times(summary: &Summary, id: QueueId, analysis: Option<&Analysis>) -> Option<Table> {
+    let is_own = |timing: &&TimingLine| {
+        (timing.pass, timing.bounce, timing.kind) == (id.pass, id.bounce, Some(id.kind))
+    };
+    let mut rows: BTreeMap<_, BTreeMap<&str, Option<f64>>> = BTreeMap::new();
+    for timing in summary.timings.iter().filter(is_own) {
+        let at_method = summary.options.methods.iter().position(|method| *method == timing.method);
+        rows.entry((at_method, timing.method.as_str())).or_default().insert(timing.stage, timing.median_ns);
     }
+    let is_timed = |stage: &Stage| rows.values().any(|times| times.contains_key(stage.name()));
+    let stages: Vec<Stage> = Stage::OF_ORDERS.into_iter().filter(is_timed).collect();
+    let own = analysis.and_then(|found| found.recordings[0].queues.iter().find(|queue| queue.id() == id));
+    let mut header = vec!["method"];
+    header.extend(stages.iter().map(|&stage| stage_name(stage)));
+    header.extend(own.map(|_| "net speedup"));
+    let mut table = table(&header, 1);
+    for ((_, method), times) in &rows {
+        let ms =
+            |stage: &Stage| times.get(stage.name()).copied().flatten().map_or(String::new(), milliseconds);
+        let net = own.map(|queue| match queue.order(method) {
+            // Its trace is what must be that of unsorted rays.
+            _ if *method == CONTROL => String::new(),
+            Some(order) if order.is_left_alone() => LEFT_ALONE.to_owned(),
+            Some(order) => order
+                .net_speedup
+                .known()
+                .map_or(String::new(), |line| format!("{:.2} {}", line.ratio, line.interval_text())),
+            None => String::new(),
+        });
+        table.add_row([shown::name(method)].into_iter().chain(stages.iter().map(ms)).chain(net));
+    }
+    (!rows.is_empty()).then_some(table)
+}
+
+/// Three digits and more.
+fn milliseconds(ns: f64) -> String {
+    let ms = ns / 1e6;
+    let decimals = if ms < 1.0 {
+        3
+    } else if ms < 10.0 {
+        2
+    } else {
+        usize::from(ms < 100.0)
+    };
+    format!("{ms:.decimals$}")
 }
 
 /// Arrays of one name together: there are hundreds of files, but few kinds of them.

@@ -259,13 +259,35 @@ fn info_shows_means_and_with_metrics_the_arrays() {
     assert!(text.lines().count() <= 25 && text.lines().all(|line| line.chars().count() <= 80), "{text}");
     let text = info(&path, &["--details"]);
     assert!(text.contains("Methods: the whole frame") && !text.contains("capsule area"), "{text}");
+    assert!(text.lines().all(|line| line.chars().count() <= 150), "{text}");
+    let analysis = analysed(&[Dump::open(&path).unwrap()], GroupWidth::Rays64, 1);
+    let mut nets = 0;
+    for queue in analysis.recordings[0].measured() {
+        let heading =
+            format!("Pass {}, bounce {}, {}: {} rays", queue.pass, queue.bounce, queue.kind, queue.rays);
+        let rows: Vec<&str> = text
+            .lines()
+            .skip_while(|line| !line.starts_with(&heading))
+            .take_while(|line| !line.starts_with('└'))
+            .collect();
+        for order in &queue.orders {
+            let Some(net) = order.net_speedup.known() else { continue };
+            let row = rows.iter().find(|line| line.starts_with(&format!("│ {} ", order.method)));
+            let shown = format!("{:.2} {}", net.ratio, net.interval_text());
+            assert!(
+                row.unwrap().trim_end_matches(['│', ' ']).ends_with(shown.trim_end()),
+                "{heading}: {text}"
+            );
+            nets += 1;
+        }
+    }
+    assert!(nets > 3, "{nets}");
     let text = info(&path, &["--metrics", "--details", "--threads", "1"]);
     for part in ["capsule area", "direction spread", "table fill", "Pearson", "lanes of 8"] {
         assert!(text.contains(part), "{part}: {text}");
     }
     let text = info(&path, &["--metrics"]);
     assert!(text.lines().count() <= 60 && text.lines().all(|line| line.chars().count() <= 80), "{text}");
-    let analysis = analysed(&[Dump::open(&path).unwrap()], GroupWidth::Rays64, 1);
     let row = text.lines().rfind(|line| line.starts_with("two-point ")).unwrap();
     let (mut sum, mut rays) = (0.0, 0.0);
     for queue in analysis.recordings[0].queues.iter().filter(|queue| queue.kind == Kind::Shadow) {
