@@ -3,18 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use comfy_table::Table;
-use formats::key::method::CONTROL;
-use formats::manifest::{Header, LEFT_ALONE, Manifest, Options, QueueId, QueueRecord, Source, Stage};
+use formats::manifest::{Header, Manifest, Options, Source};
 use formats::metrics::frame::{COLUMNS, Frame};
-use formats::ray::Kind;
+use formats::metrics::queue_times;
 use formats::reader::{Dump, DumpState};
 use formats::study::Study;
-use formats::summary::{Summary, TimingLine, hexadecimal};
-use formats::text::{one_line, wrapped};
+use formats::summary::{Summary, hexadecimal};
+use formats::text::wrapped;
 use serde::Serialize;
 
-use crate::analysis::timing::stage_name;
 use crate::analysis::{Analysis, AnalysisOptions, Depth, StudyAnalysis, analyse};
 use crate::method_table;
 use crate::output::{count, counted, print, print_json, say, size, sum, table, time};
@@ -80,7 +77,7 @@ pub(crate) fn run(path: &Path, json: bool, details: bool, options: &AnalysisOpti
     }
     let shown = shown::header(&dump.manifest().header);
     let mut parts = if details {
-        vec![facts(&summary, &shown, source_is), queues(&summary, analysis.as_ref())]
+        vec![facts(&summary, &shown, source_is), queue_times::text(dump.manifest())]
     } else {
         vec![in_short(&summary, &shown, source_is), Frame::of(dump.manifest()).text()]
     };
@@ -285,86 +282,6 @@ fn machine_line(shown: &Header) -> String {
 
 fn or_none(names: &[String]) -> String {
     if names.is_empty() { "none".to_owned() } else { names.join(", ") }
-}
-
-/// Each queue: how many rays, what `auto` chose for them, and a table of what each order takes.
-fn queues(summary: &Summary, analysis: Option<&Analysis>) -> String {
-    if summary.queues.is_empty() {
-        return "No queue was complete.".to_owned();
-    }
-    let of_queue = |queue: &QueueRecord| {
-        let QueueId { pass, bounce, kind } = queue.id;
-        let mut heading = vec![format!("Pass {pass}, bounce {bounce}, {kind}: {} rays", count(queue.rays))];
-        let shared = summary.timings.iter().filter(|timing| {
-            (timing.pass, timing.bounce, timing.kind) == (pass, bounce, None) && kind == Kind::Closest
-        });
-        heading.extend(
-            shared.map(|timing| format!("{} {}", timing.stage, time(timing.median_ns.unwrap_or(0.0)))),
-        );
-        let decision = summary.decisions.iter().find(|decision| decision.queue == queue.id);
-        heading.extend(decision.map(|decision| format!("auto: {}", one_line(&decision.chosen(), 200))));
-        let differing = sum(queue.mismatches.iter().map(|mismatch| mismatch.rays));
-        heading
-            .extend((differing > 0).then(|| format!("{} results differ between orders", count(differing))));
-        let heading = wrapped(&heading.join("; "), COLUMNS, 2);
-        match times(summary, queue.id, analysis) {
-            Some(table) => format!("{heading}\n{table}"),
-            None => heading,
-        }
-    };
-    let queues: Vec<String> = summary.queues.iter().map(of_queue).collect();
-    format!(
-        "Queues: medians in ms; net speedups over unsorted rays with their 95 % intervals\n{}",
-        queues.join("\n")
-    )
-}
-
-/// What each order of a queue takes, stage by stage, and what that comes to; `None` if nothing was timed.
-fn times(summary: &Summary, id: QueueId, analysis: Option<&Analysis>) -> Option<Table> {
-    let is_own = |timing: &&TimingLine| {
-        (timing.pass, timing.bounce, timing.kind) == (id.pass, id.bounce, Some(id.kind))
-    };
-    let mut rows: BTreeMap<_, BTreeMap<&str, Option<f64>>> = BTreeMap::new();
-    for timing in summary.timings.iter().filter(is_own) {
-        let at_method = summary.options.methods.iter().position(|method| *method == timing.method);
-        rows.entry((at_method, timing.method.as_str())).or_default().insert(timing.stage, timing.median_ns);
-    }
-    let is_timed = |stage: &Stage| rows.values().any(|times| times.contains_key(stage.name()));
-    let stages: Vec<Stage> = Stage::OF_ORDERS.into_iter().filter(is_timed).collect();
-    let own = analysis.and_then(|found| found.recordings[0].queues.iter().find(|queue| queue.id() == id));
-    let mut header = vec!["method"];
-    header.extend(stages.iter().map(|&stage| stage_name(stage)));
-    header.extend(own.map(|_| "net speedup"));
-    let mut table = table(&header, 1);
-    for ((_, method), times) in &rows {
-        let ms =
-            |stage: &Stage| times.get(stage.name()).copied().flatten().map_or(String::new(), milliseconds);
-        let net = own.map(|queue| match queue.order(method) {
-            // Its trace is what must be that of unsorted rays.
-            _ if *method == CONTROL => String::new(),
-            Some(order) if order.is_left_alone() => LEFT_ALONE.to_owned(),
-            Some(order) => order
-                .net_speedup
-                .known()
-                .map_or(String::new(), |line| format!("{:.2} {}", line.ratio, line.interval_text())),
-            None => String::new(),
-        });
-        table.add_row([shown::name(method)].into_iter().chain(stages.iter().map(ms)).chain(net));
-    }
-    (!rows.is_empty()).then_some(table)
-}
-
-/// Three digits and more.
-fn milliseconds(ns: f64) -> String {
-    let ms = ns / 1e6;
-    let decimals = if ms < 1.0 {
-        3
-    } else if ms < 10.0 {
-        2
-    } else {
-        usize::from(ms < 100.0)
-    };
-    format!("{ms:.decimals$}")
 }
 
 /// Arrays of one name together: there are hundreds of files, but few kinds of them.

@@ -10,7 +10,7 @@ use formats::manifest::{
     End, MethodArray, Outcome, Place, QueueArray, QueueRecord, Record, Source, Stage, TimingRecord,
 };
 use formats::metrics::capsule::{Capsule, Segment};
-use formats::metrics::speedup::{Verdict, median};
+use formats::metrics::speedup::{Speedup, Verdict, median};
 use formats::ray::{Kind, Ray, Work};
 use formats::reader::{Dump, Loaded};
 use formats::traced::Traced;
@@ -259,25 +259,19 @@ fn info_shows_means_and_with_metrics_the_arrays() {
     assert!(text.lines().count() <= 25 && text.lines().all(|line| line.chars().count() <= 80), "{text}");
     let text = info(&path, &["--details"]);
     assert!(text.contains("Methods: the whole frame") && !text.contains("capsule area"), "{text}");
-    assert!(text.lines().all(|line| line.chars().count() <= 150), "{text}");
     let analysis = analysed(&[Dump::open(&path).unwrap()], GroupWidth::Rays64, 1);
     let mut nets = 0;
     for queue in analysis.recordings[0].measured() {
         let heading =
             format!("Pass {}, bounce {}, {}: {} rays", queue.pass, queue.bounce, queue.kind, queue.rays);
-        let rows: Vec<&str> = text
-            .lines()
-            .skip_while(|line| !line.starts_with(&heading))
-            .take_while(|line| !line.starts_with('└'))
-            .collect();
+        let rows = text.split("\n\n").find(|part| part.starts_with(&heading)).unwrap();
+        assert!(rows.lines().all(|line| line.chars().count() <= 120), "{rows}");
         for order in &queue.orders {
             let Some(net) = order.net_speedup.known() else { continue };
-            let row = rows.iter().find(|line| line.starts_with(&format!("│ {} ", order.method)));
-            let shown = format!("{:.2} {}", net.ratio, net.interval_text());
-            assert!(
-                row.unwrap().trim_end_matches(['│', ' ']).ends_with(shown.trim_end()),
-                "{heading}: {text}"
-            );
+            let row = rows.lines().find(|line| line.starts_with(&format!("{} ", order.method))).unwrap();
+            let shown = Speedup { ratio: net.ratio, interval: net.interval }.to_string();
+            let remark = matches!(order.method.as_str(), CONTROL | "two-point-real");
+            assert_eq!(row.ends_with(&shown), !remark, "{rows}");
             nets += 1;
         }
     }

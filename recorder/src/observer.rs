@@ -43,27 +43,9 @@ pub struct Plan<'a> {
     pub recorded: Option<&'a Dump>,
 }
 
-/// A measured queue, for the closing table.
-pub struct MeasuredQueue {
-    /// Which one.
-    pub id: QueueId,
-    /// Rays.
-    pub rays: usize,
-    /// Its times.
-    pub measurements: QueueMeasurement,
-}
-
-impl MeasuredQueue {
-    /// Traces in canonical order, nanoseconds each.
-    pub fn unsorted(&self) -> &[u64] {
-        let baseline = self.measurements.iter().find(|entry| entry.subject == Subject::Unsorted);
-        baseline.map_or(&[], |entry| entry.stages.of(Stage::Trace))
-    }
-}
-
 /// The way that was shorter over all queues in the trial rounds; `None` where there are not two.
-pub fn chosen_way(queues: &[MeasuredQueue], subject: Subject) -> Option<Way> {
-    let entries = queues.iter().flat_map(|queue| &queue.measurements);
+fn chosen_way(queues: &[QueueMeasurement], subject: Subject) -> Option<Way> {
+    let entries = queues.iter().flatten();
     let ns = entries.filter(|entry| entry.subject == subject).map(|entry| entry.trial_ns);
     let ns: Vec<[u64; 2]> = ns.filter(|ns| !ns.contains(&0)).collect();
     let [gathered, indices] = [0, 1].map(|way| ns.iter().map(|ns| ns[way]).sum::<u64>());
@@ -77,9 +59,7 @@ pub struct Recorder<'a> {
     capture: &'a mut Capture,
     progress: &'a Progress,
     /// Every queue of the measured pass.
-    pub measured: Vec<MeasuredQueue>,
-    /// Which order `auto` gave each of them.
-    pub decisions: Vec<DecisionRecord>,
+    measured: Vec<QueueMeasurement>,
     /// Rays that did not find what was recorded.
     pub differing: u64,
     /// The last queue of each kind whose arrays are kept.
@@ -98,7 +78,6 @@ impl<'a> Recorder<'a> {
             capture,
             progress,
             measured: Vec::new(),
-            decisions: Vec::new(),
             differing: 0,
             last_kept: [None; 2],
             cells: Vec::new(),
@@ -246,7 +225,7 @@ impl<B: Backend> Observer<B> for Recorder<'_> {
             }
         }
         if self.is_measured(id) {
-            self.measured.push(MeasuredQueue { id, rays: count, measurements });
+            self.measured.push(measurements);
         }
         Ok(())
     }
@@ -288,9 +267,7 @@ impl Recorder<'_> {
     fn write_decision<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays) -> Result<()> {
         let Some(auto) = &self.plan.auto else { return Ok(()) };
         let Decision { area, choice, .. } = auto.decide(backend, rays)?.0;
-        let decision = DecisionRecord { queue: rays.id(), area, choice };
-        self.decisions.push(decision.clone());
-        self.capture.record(Record::Decision(decision))
+        self.capture.record(Record::Decision(DecisionRecord { queue: rays.id(), area, choice }))
     }
 
     /// Writes keys and permutation, and what caches make of the order.

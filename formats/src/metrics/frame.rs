@@ -128,7 +128,7 @@ impl FrameTimes {
 }
 
 /// Methods of which nobody knows what they cost, by name.
-struct Costs<'a> {
+pub(super) struct Costs<'a> {
     /// Those that sort by lengths which only a trace gives.
     bounds: BTreeSet<&'a str>,
     /// Those of another tracer.
@@ -136,7 +136,7 @@ struct Costs<'a> {
 }
 
 impl<'a> Costs<'a> {
-    fn of(manifest: &'a Manifest) -> Self {
+    pub(super) fn of(manifest: &'a Manifest) -> Self {
         let bounds = manifest.methods.iter().filter(|record| record.termination == Termination::Real);
         Self {
             bounds: bounds.map(|record| record.name.as_str()).collect(),
@@ -145,7 +145,7 @@ impl<'a> Costs<'a> {
     }
 
     /// Why a method has no net speedup, if it has none.
-    fn remark(&self, method: &str) -> Option<&'static str> {
+    pub(super) fn remark(&self, method: &str) -> Option<&'static str> {
         if self.bounds.contains(method) {
             return Some("bound");
         }
@@ -359,7 +359,7 @@ impl Frame {
 }
 
 /// A name as the table has room for, its end in any case: variants of a sweep differ there.
-fn shortened(name: &str) -> String {
+pub(super) fn shortened(name: &str) -> String {
     let name = one_line(name, 2 * COLUMNS);
     let (most, characters) = (NAME - 1, name.chars().count());
     if characters <= most {

@@ -4,7 +4,7 @@
 //! - [`capsule`], [`spread`], [`lanes`]: how coherent rays are; [`group`]: all of it of one group
 //! - [`quantity`]: the numbers that a ray or its group has, by name: one entry each
 //! - [`estimator`]: how far estimated ray lengths are from traced ones
-//! - [`samples`]: the times of a recording; [`speedup`], [`bandwidth`], [`frame`]: what they say; [`views`]: means over
+//! - [`samples`]: the times of a recording; [`speedup`], [`bandwidth`], [`frame`], [`queue_times`]: what they say; [`views`]: means over
 //!   many recordings; [`noise`]: what disturbed them
 //! - [`correlation`]: how two numbers go together; [`growth`]: how costs grow
 
@@ -19,6 +19,7 @@ pub mod lanes;
 pub mod noise;
 pub mod order;
 pub mod quantity;
+pub mod queue_times;
 pub mod samples;
 pub mod speedup;
 pub mod spread;

@@ -1,6 +1,7 @@
 //! Speedups with bootstrap confidence intervals.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
@@ -101,10 +102,24 @@ impl Speedup {
         self.interval.is_some_and(|(low, high)| low > 1.0 || high < 1.0)
     }
 
+    /// What stands before it: `≈` where its interval holds 1.
+    pub fn mark(&self) -> &'static str {
+        if self.interval.is_some() && !self.is_significant() { "≈ " } else { "" }
+    }
+
     /// Whether, as that of a control over a whole frame, it says that other speedups cannot be trusted: its interval
     /// excludes 1, or it misses 1 by more than it does on a machine on which nothing else runs.
     pub fn is_bad_control(&self) -> bool {
         self.is_significant() || (self.ratio - 1.0).abs() > CONTROL_BIAS
+    }
+}
+
+/// Its ratio and interval.
+impl fmt::Display for Speedup {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { ratio, interval } = *self;
+        write!(formatter, "{}{ratio:.2}", self.mark())?;
+        interval.map_or(Ok(()), |(low, high)| write!(formatter, " [{low:.2}, {high:.2}]"))
     }
 }
 

@@ -12,6 +12,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use formats::bench_result::{BenchResult, CaptureRow, Rows};
 use formats::metrics::speedup::{Instrument, Speedup, median};
+use formats::reader::Dump;
 use formats::writer::WriteError;
 use scenes::Scene;
 
@@ -126,10 +127,11 @@ impl Turns<'_> {
         let start = Instant::now();
         let run = Run::of_paths(device, scene, Arc::clone(setup), options, Vec::new(), start);
         backend.restart()?;
-        let (path, queues, ..) = clock.time(|| run.with(backend, None))?;
+        let (path, _) = clock.time(|| run.with(backend, None))?;
+        let rays = Dump::open(&path)?.manifest().queues.iter().map(|queue| queue.rays).sum();
         let bytes = folder_bytes(&path)?;
         fs::remove_dir_all(&path).with_context(|| format!("cannot remove {}", path.display()))?;
-        Ok((queues.iter().map(|queue| queue.rays as u64).sum(), bytes))
+        Ok((rays, bytes))
     }
 }
 

@@ -7,9 +7,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use formats::folder::partial_of;
-use formats::manifest::{
-    self, CalibrationRecord, DecisionRecord, End, Header, ImageDigest, Outcome, Place, Record,
-};
+use formats::manifest::{self, CalibrationRecord, End, Header, ImageDigest, Outcome, Place, Record};
 use formats::ray::ORIGIN_LIMIT;
 use formats::reader::Dump;
 use formats::summary::Summary;
@@ -31,10 +29,10 @@ use crate::foreign::Foreign;
 use crate::interrupt;
 use crate::machine::Device;
 use crate::measure::{Measured, Subject};
-use crate::observer::{MeasuredQueue, Plan, Recorder};
+use crate::observer::{Plan, Recorder};
 use crate::options::RecordOptions;
 use crate::progress::Progress;
-use crate::stages::setup::{MethodPlan, Setup};
+use crate::stages::setup::Setup;
 use crate::stages::trace::TraceKernel;
 use crate::stages::trace::cpu::CpuTracer;
 use crate::wavefront;
@@ -45,12 +43,6 @@ pub struct Recorded {
     pub path: PathBuf,
     /// Scene, adapter and settings in a line each.
     pub headline: Vec<String>,
-    /// Methods, in order.
-    pub methods: Vec<MethodPlan>,
-    /// Every queue of the measured pass.
-    pub queues: Vec<MeasuredQueue>,
-    /// Which order `auto` gave each of them.
-    pub decisions: Vec<DecisionRecord>,
     /// Things the user should know.
     pub notices: Vec<String>,
 }
@@ -108,8 +100,8 @@ pub(crate) struct Run<'a> {
     pub(crate) start: Instant,
 }
 
-/// What a run left: the dump, what was measured, what was chosen, and rays that did not find what was recorded.
-pub(crate) type Outcomes = (PathBuf, Vec<MeasuredQueue>, Vec<DecisionRecord>, u64);
+/// What a run left: the dump, and how many rays did not find what was recorded.
+pub(crate) type Outcomes = (PathBuf, u64);
 
 impl<'a> Run<'a> {
     /// A run of paths from the camera.
@@ -151,7 +143,7 @@ impl<'a> Run<'a> {
         let setup = Arc::clone(&self.setup);
         let tracer = || bvh.as_ref().map(|bvh| Arc::new(CpuTracer::new(self.scene, bvh).with_kernel(kernel)));
         let model = |tracer| CacheModel { tracer, l2_bytes: self.options.device.l2_kib << 10 };
-        let (path, queues, decisions, differing) = match device {
+        let (path, differing) = match device {
             Device::Cpu(cpu) => cpu.pool.install(|| {
                 let tracer = tracer().context("threads trace a hierarchy of their own")?;
                 let model = self.options.keep.caches.then(|| model(Arc::clone(&tracer)));
@@ -172,8 +164,7 @@ impl<'a> Run<'a> {
         if let Some(Source::BuiltNotKept { reason }) = source {
             notices.push(format!("every run builds the hierarchy anew, since it cannot be kept: {reason}"));
         }
-        let methods = [&self.setup.methods[..], &self.foreign.methods].concat();
-        Ok(Recorded { path, headline, methods, queues, decisions, notices })
+        Ok(Recorded { path, headline, notices })
     }
 
     fn plan(&self, cache_model: Option<CacheModel>) -> Plan<'_> {
@@ -242,7 +233,7 @@ impl<'a> Run<'a> {
             RaySource::Recorded(queues) => wavefront::run_recorded(backend, queues, &mut recorder)?,
         }
         recorder.finish(backend)?;
-        let Recorder { measured, decisions, differing, .. } = recorder;
+        let differing = recorder.differing;
         progress.finish();
         let image = match self.rays {
             RaySource::Paths => Some(self.write_image(backend, &mut capture)?),
@@ -251,7 +242,7 @@ impl<'a> Run<'a> {
         let wall_ns = self.start.elapsed().as_nanos() as u64;
         let path = capture.finish(End { outcome: Outcome::Complete, image, wall_ns })?;
         interrupt::leaves(None);
-        Ok((path, measured, decisions, differing))
+        Ok((path, differing))
     }
 
     /// What `auto` chooses by: measured on passes after the last one, whose rays are not recorded, or on the recorded
