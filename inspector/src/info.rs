@@ -6,7 +6,7 @@ use std::path::Path;
 use formats::manifest::{Header, Manifest, Options, Source};
 use formats::metrics::frame::{COLUMNS, Frame};
 use formats::metrics::queue_times;
-use formats::reader::{Dump, DumpState};
+use formats::reader::Dump;
 use formats::study::Study;
 use formats::summary::{Summary, hexadecimal};
 use formats::text::wrapped;
@@ -69,9 +69,7 @@ pub(crate) fn run(path: &Path, json: bool, details: bool, options: &AnalysisOpti
     let summary = Summary::new(path, dump.manifest());
     let source_is = SourceIs::of(&dump);
     let reads_arrays = options.depth == Depth::Arrays;
-    // What there is so far of a recording can be shown, but has no means yet.
-    let has_means = reads_arrays || (details && dump.state() != DumpState::Partial);
-    let analysis = has_means.then(|| analyse(std::slice::from_ref(&dump), options)).transpose()?;
+    let analysis = reads_arrays.then(|| analyse(std::slice::from_ref(&dump), options)).transpose()?;
     if json {
         return print_json(&Printed { summary: &summary, source_is, metrics: analysis.as_ref() });
     }
@@ -79,12 +77,11 @@ pub(crate) fn run(path: &Path, json: bool, details: bool, options: &AnalysisOpti
     let mut parts = if details {
         vec![facts(&summary, &shown, source_is), queue_times::text(dump.manifest())]
     } else {
-        vec![in_short(&summary, &shown, source_is), Frame::of(dump.manifest()).text()]
+        vec![in_short(&summary, &shown, source_is)]
     };
-    parts.extend(analysis.as_ref().filter(|_| details).map(method_table::methods));
+    parts.push(Frame::of(dump.manifest()).text());
     parts.extend(without_cost(dump.manifest()));
-    parts
-        .extend(analysis.as_ref().filter(|_| reads_arrays).map(|found| method_table::arrays(found, details)));
+    parts.extend(analysis.as_ref().map(|found| method_table::arrays(found, details)));
     parts.push(match (details, reads_arrays) {
         (true, _) => arrays(&summary),
         (false, true) => "More: --details (each bounce by itself)".into(),

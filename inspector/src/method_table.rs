@@ -1,44 +1,15 @@
 //! Analyses as text: methods beside each other, and what is missing for it.
 
-use formats::key::method::CONTROL;
-use formats::manifest::LEFT_ALONE;
 use formats::metrics::correlation::Correlation;
-use formats::metrics::speedup::INTERVAL_ROUNDS;
 use formats::ray::Kind;
 use formats::text::{count, one_line};
 
 use crate::analysis::study::StudyGroup;
-use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
+use crate::analysis::summary::{RayClass, distinct};
 use crate::analysis::tables::Estimators;
-use crate::analysis::{Analysis, CorrelationLine, MethodSummary, Metric, OrderAnalysis, QueueAnalysis};
+use crate::analysis::{Analysis, CorrelationLine, OrderAnalysis, QueueAnalysis};
 use crate::output::{counted, table};
 use crate::shown;
-
-/// One line per kind of rays and method: the whole frame, its interval where there is one recording, else
-/// geometric means over the recordings.
-pub(crate) fn methods(analysis: &Analysis) -> String {
-    if analysis.summaries.is_empty() {
-        return "No method was measured on secondary or shadow rays.".to_owned();
-    }
-    let has_areas = analysis.summaries.iter().any(|summary| summary.capsule_area_ratio.known().is_some());
-    let mut header = vec!["rays", "method", "recordings", "trace speedup", "net speedup"];
-    header.extend(has_areas.then_some("capsule area"));
-    let mut table = table(&header, 2);
-    for summary in &analysis.summaries {
-        let row = [summary.rays.name().to_owned(), summary.method.clone()];
-        let mut cells = means(summary);
-        if is_left_alone(analysis, summary) {
-            cells[1..3].fill(LEFT_ALONE.to_owned());
-        }
-        table.add_row(row.into_iter().chain(cells).take(header.len()));
-    }
-    let mut lines = vec![
-        "Methods: the whole frame (all bounces together), with its interval or, of several recordings, the geometric mean (lowest to highest)".to_owned(),
-        table.to_string(),
-    ];
-    lines.extend(RayClass::ALL.into_iter().filter_map(|rays| significance(&analysis.summaries, rays)));
-    lines.join("\n")
-}
 
 /// Most methods of a group of recordings that are shown.
 const MOST_METHODS: usize = 18;
@@ -82,57 +53,6 @@ pub(crate) fn study_group(group: &StudyGroup) -> String {
         lines.push(format!("… and {} more", methods.len() - MOST_METHODS));
     }
     lines.join("\n")
-}
-
-/// Whether these are `auto`'s, which sorted none of these rays in any recording.
-fn is_left_alone(analysis: &Analysis, summary: &MethodSummary) -> bool {
-    let mut frames =
-        analysis.recordings.iter().filter_map(|one| one.frame(summary.rays, &summary.method)).peekable();
-    frames.peek().is_some() && frames.all(|frame| frame.left_alone)
-}
-
-/// Recordings, trace speedup, net speedup, capsule area.
-fn means(summary: &MethodSummary) -> [String; 4] {
-    let ratio = summary.capsule_area_ratio.known();
-    [
-        summary.recordings.to_string(),
-        speedup(&summary.trace_speedup),
-        speedup(&summary.net_speedup),
-        ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.3}×")),
-    ]
-}
-
-fn speedup(speedup: &Metric<MeanSpeedup>) -> String {
-    match speedup.known() {
-        None => "–".to_owned(),
-        Some(MeanSpeedup { mean, interval: Some((low, high)), .. }) => {
-            format!("{mean:.2}× ({low:.2} to {high:.2})")
-        }
-        Some(MeanSpeedup { mean, n: 1, .. }) => format!("{mean:.2}×"),
-        Some(MeanSpeedup { mean, lowest, highest, .. }) => {
-            format!("{mean:.2}× ({lowest:.2} to {highest:.2})")
-        }
-    }
-}
-
-/// How many of the net speedups mean anything. The control, which has none to gain, is not counted.
-fn significance(summaries: &[MethodSummary], rays: RayClass) -> Option<String> {
-    let own = summaries.iter().filter(|summary| summary.rays == rays && summary.method != CONTROL);
-    let known: Vec<&MeanSpeedup> = own.filter_map(|summary| summary.net_speedup.known()).collect();
-    let sum = |of: fn(&MeanSpeedup) -> usize| known.iter().map(|mean| of(mean)).sum::<usize>();
-    let [total, untested] = [sum(|mean| mean.n), sum(|mean| mean.untested)];
-    let [faster, slower] = [sum(|mean| mean.faster), sum(|mean| mean.slower)];
-    let mut said = vec![counted(total as u64, "order", "orders") + " measured"];
-    if total > untested {
-        let level = total - untested - faster - slower;
-        said.push(format!("{faster} faster, {slower} slower, {level} with no significant difference"));
-    }
-    said.extend(match untested {
-        0 => None,
-        all if all == total => Some(format!("not tested: fewer than {INTERVAL_ROUNDS} repeats")),
-        some => Some(format!("{some} not tested: fewer than {INTERVAL_ROUNDS} repeats")),
-    });
-    (total > 0).then(|| format!("{} rays, with all costs: {}", rays.name(), said.join(", ")))
 }
 
 /// What the arrays say: coherence of each order, length tables, correlations, and what is not known; over all bounces,
@@ -321,50 +241,4 @@ fn reasons(analysis: &Analysis) -> Option<String> {
 
 fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn summary(method: &str, [faster, untested]: [usize; 2]) -> MethodSummary {
-        let net = MeanSpeedup {
-            mean: 1.1,
-            lowest: 1.1,
-            highest: 1.1,
-            interval: None,
-            n: 1,
-            faster,
-            slower: 0,
-            untested,
-        };
-        MethodSummary {
-            configuration: "one".to_owned(),
-            rays: RayClass::Shadow,
-            method: method.to_owned(),
-            recordings: 1,
-            trace_speedup: Metric::Known(net),
-            net_speedup: Metric::Known(net),
-            capsule_area_ratio: Metric::missing("not read"),
-        }
-    }
-
-    #[test]
-    fn what_was_not_tested_is_no_difference_that_was_not_found() {
-        let control = summary(CONTROL, [0, 0]);
-        let said = |methods: [[usize; 2]; 2]| {
-            let [aila, mine] = methods.map(|of| summary("aila", of));
-            significance(&[control.clone(), aila, mine], RayClass::Shadow).unwrap()
-        };
-        let start = "shadow rays, with all costs: 2 orders measured";
-        let untested = "not tested: fewer than 6 repeats";
-        let faster = "1 faster, 0 slower";
-        assert_eq!(said([[0, 1], [0, 1]]), format!("{start}, {untested}"));
-        assert_eq!(said([[1, 0], [0, 0]]), format!("{start}, {faster}, 1 with no significant difference"));
-        assert_eq!(
-            said([[1, 0], [0, 1]]),
-            format!("{start}, {faster}, 0 with no significant difference, 1 {untested}")
-        );
-        assert_eq!(significance(&[control], RayClass::Shadow), None);
-    }
 }

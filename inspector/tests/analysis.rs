@@ -258,7 +258,7 @@ fn info_shows_means_and_with_metrics_the_arrays() {
     assert!(text.contains("\nWhole frame: ") && !text.contains("Queues"), "{text}");
     assert!(text.lines().count() <= 25 && text.lines().all(|line| line.chars().count() <= 80), "{text}");
     let text = info(&path, &["--details"]);
-    assert!(text.contains("Methods: the whole frame") && !text.contains("capsule area"), "{text}");
+    assert!(text.contains("\nWhole frame: ") && !text.contains("capsule area"), "{text}");
     let analysis = analysed(&[Dump::open(&path).unwrap()], GroupWidth::Rays64, 1);
     let mut nets = 0;
     for queue in analysis.recordings[0].measured() {
