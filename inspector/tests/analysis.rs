@@ -10,7 +10,7 @@ use formats::manifest::{
     End, MethodArray, Outcome, Place, QueueArray, QueueRecord, Record, Source, Stage, TimingRecord,
 };
 use formats::metrics::capsule::{Capsule, Segment};
-use formats::metrics::speedup::{Speedup, Verdict, median};
+use formats::metrics::speedup::{Verdict, median};
 use formats::ray::{Kind, Ray, Work};
 use formats::reader::{Dump, Loaded};
 use formats::traced::Traced;
@@ -269,7 +269,7 @@ fn info_shows_means_and_with_metrics_the_arrays() {
         for order in &queue.orders {
             let Some(net) = order.net_speedup.known() else { continue };
             let row = rows.lines().find(|line| line.starts_with(&format!("{} ", order.method))).unwrap();
-            let shown = Speedup { ratio: net.ratio, interval: net.interval }.to_string();
+            let shown = net.speedup().to_string();
             let remark = matches!(order.method.as_str(), CONTROL | "two-point-real");
             assert_eq!(row.ends_with(&shown), !remark, "{rows}");
             nets += 1;

@@ -4,8 +4,8 @@
 //! - [`capsule`], [`spread`], [`lanes`]: how coherent rays are; [`group`]: all of it of one group
 //! - [`quantity`]: the numbers that a ray or its group has, by name: one entry each
 //! - [`estimator`]: how far estimated ray lengths are from traced ones
-//! - [`samples`]: the times of a recording; [`speedup`], [`bandwidth`], [`frame`], [`queue_times`]: what they say; [`views`]: means over
-//!   many recordings; [`noise`]: what disturbed them
+//! - [`samples`]: the times of a recording; [`speedup`], [`bandwidth`], [`frame`], [`queue_times`]: what they say;
+//!   [`views`]: means over many recordings; [`noise`]: what disturbed them
 //! - [`correlation`]: how two numbers go together; [`growth`]: how costs grow
 
 pub mod bandwidth;

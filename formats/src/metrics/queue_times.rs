@@ -5,7 +5,7 @@ use super::frame::{COLUMNS, Costs, shortened};
 use super::samples::Samples;
 use super::speedup::{Speedup, StageSamples, median};
 use crate::key::method::{AUTO, UNSORTED};
-use crate::manifest::{LEFT_ALONE, Manifest, QueueId, QueueRecord, Stage, Way};
+use crate::manifest::{LEFT_ALONE, Manifest, QueueId, QueueRecord, Stage, TimingRecord, Way};
 use crate::ray::Kind;
 use crate::text::{count, one_line, wrapped};
 
@@ -32,10 +32,10 @@ fn heading(manifest: &Manifest, queue: &QueueRecord) -> String {
     let QueueId { pass, bounce, kind } = queue.id;
     let mut parts = vec![format!("Pass {pass}, bounce {bounce}, {kind}: {} rays", count(queue.rays))];
     // Stages that serve both kinds stand above the first.
-    let is_shared = |pass_of: u32, bounce_of: u32, kind_of: Option<Kind>| {
-        (pass_of, bounce_of, kind_of) == (pass, bounce, None) && kind == Kind::Closest
+    let is_shared = |timing: &&TimingRecord| {
+        kind == Kind::Closest && (timing.pass, timing.bounce, timing.kind) == (pass, bounce, None)
     };
-    let shared = manifest.timings.iter().filter(|timing| is_shared(timing.pass, timing.bounce, timing.kind));
+    let shared = manifest.timings.iter().filter(is_shared);
     parts.extend(
         shared.map(|timing| format!("{} {} ms", timing.stage.name(), milliseconds(&timing.samples_ns))),
     );

@@ -102,6 +102,14 @@ impl Speedup {
         self.interval.is_some_and(|(low, high)| low > 1.0 || high < 1.0)
     }
 
+    /// Its interval for people, nothing if it has none.
+    pub fn interval_text(&self) -> String {
+        // A third digit beside 1, on which side of which an end lies.
+        let end =
+            |end: f64| if (end - 1.0).abs() < 0.005 { format!("{end:.3}") } else { format!("{end:.2}") };
+        self.interval.map_or(String::new(), |(low, high)| format!("[{}, {}]", end(low), end(high)))
+    }
+
     /// What stands before it: `≈` where its interval holds 1.
     pub fn mark(&self) -> &'static str {
         if self.interval.is_some() && !self.is_significant() { "≈ " } else { "" }
@@ -118,8 +126,8 @@ impl Speedup {
 impl fmt::Display for Speedup {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { ratio, interval } = *self;
-        write!(formatter, "{}{ratio:.2}", self.mark())?;
-        interval.map_or(Ok(()), |(low, high)| write!(formatter, " [{low:.2}, {high:.2}]"))
+        let space = if interval.is_some() { " " } else { "" };
+        write!(formatter, "{}{ratio:.2}{space}{}", self.mark(), self.interval_text())
     }
 }
 
@@ -324,7 +332,10 @@ mod tests {
         assert_eq!(beside(0.0), [Verdict::Faster, Verdict::Slower, Verdict::NoSignificantDifference]);
         let [within, level] = [Verdict::WithinControl, Verdict::NoSignificantDifference];
         assert_eq!(beside(0.01), [within, within, level], "as far from 1 as the control");
-        assert_eq!(Speedup { ratio: 2.0, interval: None }.verdict(0.0), Verdict::Unknown);
+        let unknown = Speedup { ratio: 2.0, interval: None };
+        assert_eq!(unknown.verdict(0.0), Verdict::Unknown);
+        let texts = [of(1.002, 1.1), of(0.9, 1.3), unknown].map(|speedup| speedup.to_string());
+        assert_eq!(texts, ["1.05 [1.002, 1.10]", "≈ 1.10 [0.90, 1.30]", "2.00"]);
     }
 
     #[test]

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use formats::manifest::{Adapter, Options};
 use formats::metrics::noise::Noise;
 use formats::metrics::samples::Samples;
-use formats::metrics::speedup::Speedup;
 use formats::reader::Dump;
 use formats::summary::hexadecimal;
 use serde::Serialize;
@@ -98,9 +97,7 @@ impl RecordingAnalysis {
 
     /// The controls that miss 1 by so much that other speedups cannot be trusted.
     pub fn bad_controls(&self) -> impl Iterator<Item = &(RayClass, SpeedupLine)> {
-        let is_bad =
-            |line: &SpeedupLine| Speedup { ratio: line.ratio, interval: line.interval }.is_bad_control();
-        self.controls.iter().filter(move |(_, line)| is_bad(line))
+        self.controls.iter().filter(|(_, line)| line.speedup().is_bad_control())
     }
 
     /// A clause for what stands below its numbers: nothing where the machine was quiet.

@@ -59,18 +59,14 @@ pub struct SpeedupLine {
 }
 
 impl SpeedupLine {
-    /// Its interval for people, nothing if it has none.
-    pub fn interval_text(&self) -> String {
-        // A third digit beside 1, on which side of which an end lies.
-        let end =
-            |end: f64| if (end - 1.0).abs() < 0.005 { format!("{end:.3}") } else { format!("{end:.2}") };
-        self.interval.map_or(String::new(), |(low, high)| format!("[{}, {}]", end(low), end(high)))
+    /// Without what it says.
+    pub fn speedup(&self) -> Speedup {
+        Speedup { ratio: self.ratio, interval: self.interval }
     }
 
     /// The same beside a control that misses 1 by `error`.
     pub fn beyond(self, error: f64) -> Self {
-        let Self { ratio, interval, .. } = self;
-        Self { verdict: Speedup { ratio, interval }.verdict(error), ..self }
+        Self { verdict: self.speedup().verdict(error), ..self }
     }
 
     /// Of `method` over `baseline`; `None` if either has no samples.

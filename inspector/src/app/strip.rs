@@ -225,7 +225,7 @@ fn speedup(ui: &mut Ui, line: &Metric<SpeedupLine>, (what, about): (&str, &str),
                 Verdict::Faster | Verdict::Slower => String::new(),
                 verdict => format!(" {}", verdict.words()),
             };
-            ui.label(line.interval_text() + &said)
+            ui.label(line.speedup().interval_text() + &said)
         }
         Metric::Missing { missing } => {
             ui.label(RichText::new("\u{2013}").size(size));

@@ -220,7 +220,7 @@ fn verdict(ui: &Ui, order: &RankedOrder, line: &SpeedupLine) -> RichText {
 }
 
 fn sure(line: &SpeedupLine) -> String {
-    format!("{} {} (n = {})", line.verdict.words(), line.interval_text(), line.n)
+    format!("{} {} (n = {})", line.verdict.words(), line.speedup().interval_text(), line.n)
 }
 
 /// What an order gains on each bounce; a click goes there. Nothing where it gains nothing by itself or was not timed.

@@ -43,7 +43,7 @@ impl Panel for ProblemsPanel {
 fn bad_controls(recording: &Recording) -> impl Iterator<Item = Problem> {
     let controls = recording.times.iter().flat_map(|times| times.bad_controls());
     let problem = |(rays, line): &(RayClass, SpeedupLine)| {
-        let (ratio, interval) = (times(line.ratio), line.interval_text());
+        let (ratio, interval) = (times(line.ratio), line.speedup().interval_text());
         let separator = if interval.is_empty() { "" } else { " " };
         Problem {
             what: format!("{}: the control is off by {:+.1} %", recording.label, 100.0 * (line.ratio - 1.0)),

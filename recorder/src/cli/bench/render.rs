@@ -82,12 +82,13 @@ pub(super) fn table(rows: &[RenderRow]) -> Table {
         "scene | order | frame ms | faster than unsorted | sorting | tracing, reordering, shading | shading alone",
     );
     for row in rows {
-        let parts = [row.trace_ns.clone(), row.reorder_ns.clone(), row.shade_ns().collect()];
-        let share = |part_ns: &Vec<u64>| {
+        let shading: Vec<u64> = row.shade_ns().collect();
+        let share = |part_ns: &[u64]| {
             let (part_ns, frame_ns) = (median(part_ns)?, median(&row.frame_ns)?);
             Some(format!("{:.0}", part_ns / frame_ns.max(1.0) * 100.0))
         };
-        let shares: Option<Vec<String>> = parts.iter().map(share).collect();
+        let shares: Option<Vec<String>> =
+            [&row.trace_ns, &row.reorder_ns, &shading].map(|part_ns| share(part_ns)).into_iter().collect();
         // The control moves paths, which is no error of the clock.
         let net = row.speedup.filter(|_| row.method != CONTROL);
         table.add_row([
